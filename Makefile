@@ -1,0 +1,118 @@
+# Every task of qRobot. `make` lists them.
+# Needs git, make, python3 (3.11 to 3.13) and python3-venv; everything else comes from locks/.
+
+PYTHON ?= python3
+VENV ?= .venv
+# What `make install` puts into the environment: base, solver, edge or full.
+PROFILE ?= solver
+# pytest's own options; "-n 2" uses two cores.
+PYTEST_ARGS ?= -n 2
+BENCH_ARGS ?=
+UV_VERSION = 0.13.9
+
+bin = $(VENV)/bin
+# One stamp a profile tells that it is installed as the locks and pyproject.toml now are.
+stamp = $(VENV)/.installed
+project = pyproject.toml locks/build.txt
+# No questions and no flood; what is fetched is held against the hashes of locks/.
+pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
+source = qrobot tests benchmarks healthchecks locks
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help setup install demo test lint format docs bench lock lock-upgrade lock-verify dist clean distclean
+
+help: ## list the targets
+	@echo 'qRobot: orders in, a checked picking plan out.'
+	@echo
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@echo
+	@echo '  Variables: PYTHON=$(PYTHON)  VENV=$(VENV)  PROFILE=$(PROFILE)  PYTEST_ARGS="$(PYTEST_ARGS)"'
+
+setup: $(stamp)-dev ## make .venv for development: solver, tests, checks, docs, provisioning
+	@echo "$(VENV) is ready for development"
+
+install: $(stamp)-$(PROFILE) ## make .venv for use: PROFILE=base, solver (default), edge or full
+	@echo "$(VENV) is ready: $(PROFILE)"
+
+demo: $(stamp)-solver ## plan the example warehouse: a plan and its picture in build/demo
+	@mkdir -p build/demo
+	$(bin)/qrobot solve examples/small-warehouse.json --deadline 5 \
+	  --output build/demo/plan.json --picture build/demo/plan.svg --picture build/demo/plan.png
+	@echo
+	@echo 'The plan:    $(CURDIR)/build/demo/plan.json'
+	@echo 'The picture: $(CURDIR)/build/demo/plan.svg (the same as plan.png)'
+
+test: $(stamp)-dev ## run the tests (PYTEST_ARGS="-k name")
+	$(bin)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(stamp)-dev ## check the style, the types and the locks
+	$(bin)/ruff check $(wildcard $(source))
+	$(bin)/ruff format --check $(wildcard $(source))
+	$(bin)/mypy
+	$(bin)/python locks/verify.py
+
+format: $(stamp)-dev ## put the code into the house style
+	$(bin)/ruff check --fix-only --quiet $(wildcard $(source))
+	$(bin)/ruff format $(wildcard $(source))
+
+docs: $(stamp)-dev ## build the site into build/site
+	NO_MKDOCS_2_WARNING=1 $(bin)/mkdocs build --strict --quiet
+	@echo 'The site: $(CURDIR)/build/site/index.html'
+
+bench: $(stamp)-dev ## measure on this machine and write docs/benchmarks.md anew
+	$(bin)/python benchmarks/run.py $(BENCH_ARGS)
+
+dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
+	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist
+
+lock: .venv-lock/bin/uv ## make the locks anew after a change of pyproject.toml, versions kept
+	locks/compile.sh $<
+
+lock-upgrade: .venv-lock/bin/uv ## make the locks anew with the newest versions allowed
+	locks/compile.sh $< --upgrade
+
+lock-verify: .venv-lock/bin/uv $(stamp)-dev ## install every lock for every platform into a scratch folder, print sizes
+	$(bin)/python locks/verify.py --install $<
+
+clean: ## remove what was built; keep the environments
+	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find $(wildcard $(source)) -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean ## remove the environments too
+	rm -rf .venv .venv-*
+
+# --- environments ---------------------------------------------------------------------------------
+
+.venv-lock/bin/uv: Makefile
+	@echo 'Installing uv $(UV_VERSION) into .venv-lock'
+	@rm -rf .venv-lock
+	@$(PYTHON) -m venv .venv-lock
+	@.venv-lock/bin/python -m pip --disable-pip-version-check --no-input --quiet install uv==$(UV_VERSION)
+	@touch $@
+
+# While an environment is being made a file in it says so: an interrupted one is begun again.
+# The build tools come first, so that building the project (and the two packages that exist as
+# source only) fetches nothing unhashed.
+$(stamp)-%: locks/%.txt $(project)
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' || \
+	  { echo 'qRobot needs Python 3.11, 3.12 or 3.13: make PYTHON=/path/to/python3.13 ...' >&2; exit 1; }
+	@if [ -e $(VENV)/.unfinished ] || [ ! -e $(VENV)/.made ]; then $(make-venv); fi
+	@touch $(VENV)/.unfinished
+	@echo "Installing $$(grep -c '==' $<) packages of $< (a minute or two on a first run)"
+	@$(pip) install --require-hashes --requirement locks/build.txt
+	@$(pip) install --require-hashes --no-build-isolation --requirement $<
+	@echo 'Installing qRobot itself'
+	@$(pip) install --no-deps --no-build-isolation --editable .
+	@rm $(VENV)/.unfinished
+	@touch $@ $(if $(filter dev edge full,$*),$(stamp)-solver) $(if $(filter full,$*),$(stamp)-edge)
+
+define make-venv
+  if [ -n "$$(ls -A $(VENV) 2>/dev/null)" ] && [ ! -e $(VENV)/.unfinished ] && [ ! -e $(VENV)/pyvenv.cfg ]; then \
+    echo '$(VENV) is there and is no environment: it is left alone, give another VENV=' >&2; exit 1; \
+  fi; \
+  echo "Making $(VENV) with $$($(PYTHON) --version)"; \
+  rm -rf $(VENV) && mkdir -p $(VENV) && touch $(VENV)/.unfinished && \
+  $(PYTHON) -m venv $(VENV) && touch $(VENV)/.made || exit 1
+endef

@@ -1,0 +1,209 @@
+"""Make the examples: seeded, so that anyone gets the same files.
+
+Run it from the project: ``python examples/make_examples.py [FOLDER]``.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import json
+import math
+import random
+import sys
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from pathlib import Path
+
+import qrobot
+from qrobot._files import write_text_atomic
+from qrobot.problem import (
+    AisleWarehouse,
+    Instance,
+    Item,
+    OpenFloor,
+    Order,
+    Point,
+    Robot,
+    Slot,
+)
+from qrobot.problem.formats.jsontext import dumps
+from qrobot.problem.formats.native_writer import to_text
+
+OURS = "Coordinates and orders are ours, drawn with seed {seed}; see examples/make_examples.py."
+
+# Kilograms per piece as a shop for tools and household goods has them.
+WEIGHTS = ["0.25", "0.4", "0.75", "1.2", "1.5", "2.5", "3.2", "4.8", "6", "7.5", "9", "12.5"]
+
+
+def small_warehouse(seed: int = 2021) -> Instance:
+    """Two blocks of ten aisles, 24 orders of one to four items, three robots 85 % full."""
+    draw = random.Random(seed)  # noqa: S311
+    warehouse = AisleWarehouse(
+        aisles=10,
+        blocks=2,
+        slots=12,
+        aisle_pitch=3.5,
+        slot_pitch=0.9,
+        end_gap=1.4,
+        depot_aisle=4,
+        depot_cross_aisle=0,
+        depot_distance=2.5,
+    )
+    slots = [
+        Slot(aisle, slot, block, side)
+        for aisle in range(warehouse.aisles)
+        for block in range(warehouse.blocks)
+        for slot in range(warehouse.slots)
+        for side in ("left", "right")
+    ]
+    stock = draw.sample(slots, 60)
+    items: list[Item] = []
+    orders: list[Order] = []
+    for number in range(1, 25):
+        lines = draw.choices([1, 2, 3, 4], weights=[3, 4, 3, 2])[0]
+        ids = [f"{number:02}-{letter}" for letter in "abcd"[:lines]]
+        places = draw.sample(stock, lines)
+        # Light pieces are asked for most.
+        loads = draw.choices(WEIGHTS, weights=range(len(WEIGHTS), 0, -1), k=lines)
+        items += [Item(i, Fraction(w), p) for i, w, p in zip(ids, loads, places, strict=True)]
+        orders.append(Order(f"order-{number:02}", tuple(ids)))
+    total = sum(item.weight for item in items)
+    capacity = Fraction(math.ceil(total / 3 / Fraction("0.85") * 2), 2)
+    return Instance(
+        warehouse=warehouse,
+        items=tuple(items),
+        orders=tuple(orders),
+        robots=tuple(Robot(f"R{k}", capacity, speed=1.2) for k in (1, 2, 3)),
+        name="small-warehouse",
+        comment="Two blocks, ten aisles, 24 whole orders, three robots. " + OURS.format(seed=seed),
+    )
+
+
+def paper(weights: Sequence[int], robots: int, capacity: int, seed: int = 7) -> Instance:
+    """Return the paper's weights (figures 4 and 7) at coordinates of our own."""
+    # One sequence: the first items of both cases lie alike.
+    draw = random.Random(seed)  # noqa: S311
+    spots = draw.sample([Point(x / 2, y / 2) for x in range(2, 40) for y in range(2, 28)], 7)
+    items = tuple(Item(str(i + 1), Fraction(w), spots[i]) for i, w in enumerate(weights))
+    why = (
+        "The capacity is that of the paper's captions: one robot can carry everything, so one "
+        "robot is the shortest plan and the others stay home."
+        if capacity == 45
+        else "The paper's captions say 45, with which one robot carries everything; 15, the "
+        "smallest capacity of its tables, makes two robots share the work."
+    )
+    return Instance(
+        warehouse=OpenFloor(depot_x=0.0, depot_y=0.0, metric="euclidean"),
+        items=items,
+        orders=tuple(Order(item.id, (item.id,)) for item in items),
+        robots=tuple(Robot(f"R{k + 1}", Fraction(capacity)) for k in range(robots)),
+        name=f"paper-{len(weights)}-items" + ("-m45" if capacity == 45 else ""),
+        comment=f"Weights of the paper. {why} Only the weights are the paper's: "
+        f"the coordinates are ours, drawn with seed {seed}.",
+    )
+
+
+def csv_orders(seed: int = 11) -> tuple[str, str]:
+    """Return orders as CSV, one article in several orders, and their layout."""
+    draw = random.Random(seed)  # noqa: S311
+    warehouse = AisleWarehouse(
+        aisles=6, slots=10, aisle_pitch=3.0, slot_pitch=1.0, end_gap=1.2, depot_distance=2.0
+    )
+    layout = Instance(
+        warehouse=warehouse,
+        items=(),
+        orders=(),
+        robots=(Robot("cart", Fraction(25), 1.0, trips=2), Robot("lift", Fraction(40), 0.8)),
+        name="csv-layout",
+        comment="The layout of orders.csv. " + OURS.format(seed=seed),
+    )
+    articles = [
+        (f"SKU-{100 + n}", draw.choice(WEIGHTS[:9]), draw.randrange(6), draw.randrange(10), side)
+        for n, side in enumerate(["left", "right"] * 6)
+    ]
+    out = io.StringIO()
+    rows = csv.writer(out, lineterminator="\n")
+    rows.writerow(["order", "item", "quantity", "weight", "aisle", "block", "slot", "side"])
+    for number in range(1, 9):
+        for name, weight, aisle, slot, side in draw.sample(articles, draw.randint(1, 3)):
+            pieces = draw.choice([1, 1, 1, 2])
+            rows.writerow([f"A{number}", name, pieces, weight, aisle, 0, slot, side])
+    return out.getvalue(), to_layout(layout)
+
+
+def to_layout(instance: Instance) -> str:
+    """Return the native document of an instance without what only orders have."""
+    document = json.loads(to_text(instance))
+    del document["items"]
+    return dumps(document)
+
+
+def tiny_vrp(seed: int = 5, clients: int = 7, capacity: int = 20) -> tuple[str, str]:
+    """Return a small CVRPLIB instance of our own, and its solution by trying everything."""
+    draw = random.Random(seed)  # noqa: S311
+    xy = draw.sample([(x, y) for x in range(60) for y in range(60)], clients + 1)
+    demand = [0, *(draw.randint(2, 8) for _ in range(clients))]
+    d = [[math.floor(math.dist(a, b) + 0.5) for b in xy] for a in xy]
+
+    def tour(group: Sequence[int]) -> tuple[int, tuple[int, ...]]:
+        return min(
+            (sum(d[a][b] for a, b in itertools.pairwise((0, *order, 0))), order)
+            for order in itertools.permutations(group)
+        )
+
+    def halves() -> Iterator[tuple[list[int], list[int]]]:
+        for chosen in range(2 ** (clients - 1)):
+            groups: tuple[list[int], list[int]] = ([], [])
+            for node in range(1, clients + 1):
+                groups[(chosen >> (node - 1)) & 1].append(node)
+            if all(sum(demand[v] for v in group) <= capacity for group in groups):
+                yield groups
+
+    cost, routes = min(
+        (sum(tour(group)[0] for group in groups), [tour(group)[1] for group in groups])
+        for groups in halves()
+    )
+    name = f"tiny-n{clients + 1}-k2"
+    lines = [
+        f"NAME : {name}",
+        f"COMMENT : (qRobot, our own with seed {seed}; No of trucks: 2, Optimal value: {cost})",
+        "TYPE : CVRP",
+        f"DIMENSION : {clients + 1}",
+        "EDGE_WEIGHT_TYPE : EUC_2D",
+        f"CAPACITY : {capacity}",
+        "NODE_COORD_SECTION",
+        *(f"{i} {x} {y}" for i, (x, y) in enumerate(xy, start=1)),
+        "DEMAND_SECTION",
+        *(f"{i} {w}" for i, w in enumerate(demand, start=1)),
+        "DEPOT_SECTION",
+        "1",
+        "-1",
+        "EOF",
+    ]
+    solution = [f"Route #{k}: {' '.join(map(str, r))}" for k, r in enumerate(routes, start=1)]
+    return "\n".join(lines) + "\n", "\n".join([*solution, f"Cost {cost}"]) + "\n"
+
+
+def main(folder: Path) -> None:
+    """Write every example."""
+    four, seven = [8, 8, 3, 3], [8, 8, 3, 3, 1, 2, 4]
+    for instance in (
+        small_warehouse(),
+        paper(four, robots=2, capacity=15),
+        paper(four, robots=3, capacity=45),
+        paper(seven, robots=2, capacity=15),
+        paper(seven, robots=3, capacity=45),
+    ):
+        qrobot.write(instance, folder / f"{instance.name}.json")
+    orders, layout = csv_orders()
+    write_text_atomic(folder / "orders.csv", orders)
+    write_text_atomic(folder / "layout.json", layout)
+    problem, solution = tiny_vrp()
+    write_text_atomic(folder / "tiny.vrp", problem)
+    write_text_atomic(folder / "tiny.sol", solution)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)

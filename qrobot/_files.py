@@ -1,0 +1,175 @@
+"""Files in and out: whole texts read with clear refusals, whole files written or none.
+
+A robot may lose power at any moment, so every file that qRobot writes is written aside,
+flushed to the disk and renamed into place: readers see the old file or the new one, never
+a half. Every `OSError` becomes an `InputError` that names the file and the mend.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import secrets
+import stat
+from pathlib import Path
+
+from qrobot.errors import InputError
+
+__all__ = ["MAX_BYTES", "StrPath", "read_text", "write_bytes_atomic", "write_text_atomic"]
+
+StrPath = str | os.PathLike[str]
+
+MAX_BYTES = 200_000_000
+"""Larger input files are refused: parsing one would exhaust the memory of a robot."""
+
+_MENDS = {
+    errno.ENOENT: "check the path",
+    errno.EACCES: "check the permissions, or choose another place",
+    errno.EPERM: "check the permissions, or choose another place",
+    errno.EROFS: "choose another place",
+    errno.ENOSPC: "free some space, or choose another place",
+    errno.EDQUOT: "free some space, or choose another place",
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.ENOTDIR: "check the path",
+    errno.EISDIR: "give the path of a file",
+}
+
+
+def read_text(path: StrPath, *, fallback: str | None = None) -> str:
+    """Return the text of a file.
+
+    Parameters
+    ----------
+    path
+        A regular file of UTF-8 text, with or without a byte order mark.
+    fallback
+        Encoding for files that are not UTF-8, such as ``latin-1`` for old benchmark files.
+
+    Raises
+    ------
+    InputError
+        When the file is missing, unreadable, empty, binary, in another encoding or huge.
+    """
+    source = os.fspath(path)
+    try:
+        # Not blocking: opening a pipe that nobody writes to would wait for ever.
+        descriptor = os.open(source, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        with os.fdopen(descriptor, "rb") as file:
+            status = os.fstat(descriptor)
+            if stat.S_ISDIR(status.st_mode):
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            if not stat.S_ISREG(status.st_mode):
+                raise InputError("is not a regular file", source=source, mend="copy it to one")
+            if status.st_size > MAX_BYTES:
+                raise InputError(
+                    f"{status.st_size / 1e6:.0f} MB are more than the {MAX_BYTES / 1e6:.0f} MB"
+                    " that are read",
+                    source=source,
+                    mend="plan in waves, with one file each",
+                )
+            data = file.read()
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
+        if isinstance(error, InputError):
+            raise
+        raise _refusal("read", source, error) from None
+    return _decoded(data, source, fallback)
+
+
+def _decoded(data: bytes, source: str, fallback: str | None) -> str:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise InputError("is UTF-16 text", source=source, mend="save it as UTF-8")
+    if b"\0" in data:
+        raise InputError("is binary, not text", source=source, mend="give a UTF-8 text file")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        if fallback is None:
+            raise InputError(
+                f"is not UTF-8 text (byte {error.start})", source=source, mend="save it as UTF-8"
+            ) from None
+        text = data.decode(fallback)
+    if not text.strip():
+        raise InputError("is empty", source=source, mend="give a file with content")
+    return text
+
+
+def write_text_atomic(path: StrPath, text: str) -> None:
+    """Write a whole UTF-8 text file, or nothing.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written; what stood there before is untouched.
+    """
+    write_bytes_atomic(path, text.encode("utf-8", errors="backslashreplace"))
+
+
+def write_bytes_atomic(path: StrPath, data: bytes) -> None:
+    """Write a whole file, or nothing.
+
+    The file is written aside in the same folder, flushed to the disk and renamed. A link
+    keeps pointing to the file that is replaced; a file that stood there keeps its mode,
+    a new one gets that of the umask. Devices and pipes, such as ``/dev/stdout``, are
+    written to directly.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written; what stood there before is untouched.
+    """
+    source = os.fspath(path)
+    try:
+        _write(Path(source), data)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise _refusal("write", source, error) from None
+
+
+def _write(path: Path, data: bytes) -> None:
+    mode = None
+    if path.exists():
+        mode = path.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if not stat.S_ISREG(mode):
+            with path.open("wb") as device:
+                device.write(data)
+            return
+        if not os.access(path, os.W_OK):  # a rename would not mind, its owner would
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    target = path.resolve()
+    aside = target.parent / f".qrobot-{secrets.token_hex(6)}.tmp"
+    # 0o666 is what the umask is made for: unlike tempfile, this gives the usual mode.
+    descriptor = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(data)
+            file.flush()
+            if mode is not None:
+                aside.chmod(stat.S_IMODE(mode))
+            os.fsync(file.fileno())
+        aside.replace(target)
+    except BaseException:  # Ctrl-C too must leave nothing behind
+        with contextlib.suppress(OSError):
+            aside.unlink()
+        raise
+    _flush_folder(target.parent)
+
+
+def _flush_folder(folder: Path) -> None:
+    """Make the rename itself durable, where the file system can."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def _refusal(verb: str, source: str, error: Exception) -> InputError:
+    code = error.errno if isinstance(error, OSError) else None
+    why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    mend = _MENDS.get(code or 0, "check the path and the disk")
+    if verb == "write" and code == errno.ENOENT:
+        mend = f"create the folder {str(Path(source).parent)!r} first"
+    return InputError(f"cannot {verb} {source!r}: {why}", mend=mend)

@@ -1,0 +1,127 @@
+"""The batching search: which orders share a trip, and in which sequence they are collected."""
+
+from __future__ import annotations
+
+import math
+
+from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
+from qrobot.backends.batching.ruin import Batches, Yard
+from qrobot.problem import Instance
+
+__all__ = ["BatchingPlanner"]
+
+WARM, COLD = 0.1, 0.001
+"""First and last temperature of the acceptance, as shares of the mean trip length."""
+
+
+class BatchingPlanner:
+    """Good plans for orders that stay whole, without any extra software.
+
+    Ruin and recreate with simulated-annealing acceptance; tours are shortened by 2-opt and
+    or-opt. Work units: ruin-and-recreate rounds.
+    """
+
+    name = "batching"
+    capabilities = Capabilities(kind="planner")
+
+    def search(
+        self,
+        instance: Instance,
+        *,
+        stop: Stop,
+        seed: int = 0,
+        start: Routes | None = None,
+        on_best: OnBest | None = None,
+    ) -> Search:
+        """Search until `stop`; see `Planner.search`. `start` may leave orders out."""
+        if not instance.orders:
+            return Search(routes=[])
+        yard = Yard(instance, seed, stop)
+        now = begin(yard, start)
+        best = now.copy()
+        told = math.inf
+
+        def tell() -> None:
+            nonlocal told
+            if not best.absent and best.cost < told:
+                told = best.cost
+                if on_best is not None:
+                    routes = yard.routes(best.tours)
+                    on_best(routes, instance.length(routes))
+
+        tell()
+        scale = sum(now.lengths) / max(1, sum(1 for tour in now.tours if tour))
+        rounds = 0
+        while not stop(rounds):
+            rounds += 1
+            done = _progress(stop, rounds)
+            heat = scale * WARM * (COLD / WARM) ** done
+            trial = now.copy()
+            changed = trial.ruin() | trial.recreate()
+            limit = now.cost - heat * math.log(max(yard.rng.random(), 1e-300))
+            if trial.cost < limit * 1.01 + heat:
+                trial.polish({t for t in changed if trial.tours[t]})
+            if trial.cost < limit:
+                now = trial
+                if now.cost < best.cost * (1 - 1e-12):
+                    best = now.copy()
+                    tell()
+        routes = None if best.absent else yard.routes(best.tours)
+        return Search(routes=routes, work=rounds, info={"absent": len(best.absent)})
+
+
+def begin(yard: Yard, routes: Routes | None) -> Batches:
+    """Return the state of given routes, completed by insertion of what they leave out.
+
+    Parameters
+    ----------
+    yard
+        The instance.
+    routes
+        Routes of nodes; orders that are split, repeated or too heavy for their trip are
+        taken out and inserted anew.
+    """
+    state = Batches.empty(yard)
+    if routes:
+        _place(state, yard.tours(routes))
+    state.recreate()
+    state.polish({t for t, tour in enumerate(state.tours) if tour})
+    return state
+
+
+def _place(state: Batches, tours: list[list[int]]) -> None:
+    """Lay tours onto the trips, the heaviest onto the largest, as far as they are valid."""
+    yard = state.yard
+    placed: set[int] = set()
+    batches = []
+    for tour in tours:
+        here = set(tour)
+        whole = {
+            order
+            for order in {yard.order_of[s] for s in tour}
+            if order not in placed and here.issuperset(yard.order_stops[order])
+        }
+        placed |= whole
+        kept = [s for s in tour if yard.order_of[s] in whole]
+        batches.append((sum(yard.weights[o] for o in whole), kept))
+    batches.sort(key=lambda b: -b[0])
+    for trip, ((_, tour), capacity) in enumerate(zip(batches, yard.capacities, strict=False)):
+        load, kept_orders = 0, set()
+        for order in dict.fromkeys(yard.order_of[s] for s in tour):
+            if load + yard.weights[order] <= capacity:
+                load += yard.weights[order]
+                kept_orders.add(order)
+        state.put(trip, [s for s in tour if yard.order_of[s] in kept_orders])
+        state.loads[trip] = load
+        state.absent = [o for o in state.absent if o not in kept_orders]
+
+
+def _progress(stop: Stop, rounds: int) -> float:
+    """Return how much of the time or work is used, 0 to 1."""
+    shares = [0.0]
+    if stop.max_work:
+        shares.append(rounds / stop.max_work)
+    left = stop.remaining
+    if math.isfinite(left):
+        shares.append(stop.elapsed / max(stop.elapsed + left, 1e-9))
+    return min(1.0, max(shares))

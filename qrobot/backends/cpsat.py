@@ -1,0 +1,76 @@
+"""CP-SAT by OR-Tools' plain wrapper, with interrupts and repeatable limits of work.
+
+The modelling layer `cp_model` would import pandas (50 MB and seconds on a Pi); the wrapper
+does not.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+
+from qrobot.backends.base import Stop
+from qrobot.errors import MissingExtraError
+
+__all__ = ["new_solver", "solve"]
+
+POLL = 0.05
+"""Seconds between looks at interrupts."""
+
+
+def new_solver(what: str) -> Any:
+    """Return an empty CP-SAT model.
+
+    Parameters
+    ----------
+    what
+        Who asks, for the error.
+
+    Raises
+    ------
+    MissingExtraError
+        When OR-Tools is not installed.
+    """
+    try:
+        from ortools.linear_solver import pywraplp
+    except ImportError:
+        raise MissingExtraError(what, "planners") from None
+    return pywraplp.Solver.CreateSolver("SAT")
+
+
+def solve(solver: Any, stop: Stop, seed: int) -> int:
+    """Solve a model on one worker until it is done or `stop` says so.
+
+    Parameters
+    ----------
+    solver
+        From `new_solver`.
+    stop
+        Deadline and interrupts. A work limit becomes deterministic time, a thousandth of
+        CP-SAT's deterministic second each.
+    seed
+        Of the solver.
+
+    Returns
+    -------
+    int
+        The wrapper's status: ``solver.OPTIMAL``, ``FEASIBLE``, ``INFEASIBLE`` or
+        ``NOT_SOLVED``.
+    """
+    parameters = f"num_workers:1 random_seed:{seed % 2**31}"
+    if stop.max_work is not None:
+        parameters += f" max_deterministic_time:{max(stop.max_work, 1) / 1000}"
+    solver.SetSolverSpecificParametersAsString(parameters)
+    if np.isfinite(stop.remaining):
+        solver.SetTimeLimit(max(1, int(1000 * stop.remaining)))
+    status: list[int] = []
+    # Solve releases the interpreter, so this thread can watch for interrupts.
+    worker = threading.Thread(target=lambda: status.append(solver.Solve()), daemon=True)
+    worker.start()
+    while worker.is_alive():
+        worker.join(POLL)
+        if stop.requested:
+            solver.InterruptSolve()
+    return status[0] if status else int(solver.NOT_SOLVED)

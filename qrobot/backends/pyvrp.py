@@ -1,0 +1,181 @@
+"""PyVRP: iterated local search for vehicle routing (Wouda, Lan and Kool 2024)."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
+from qrobot.backends.whole import whole_costs
+from qrobot.errors import BackendError, MissingExtraError
+from qrobot.problem import Instance
+
+if TYPE_CHECKING:
+    import pyvrp
+
+__all__ = ["PyVRPPlanner"]
+
+RESOLUTION = 1e6
+"""Units in the largest distance when distances are not whole."""
+
+OVERLOAD = 1.0
+"""Largest price of overloading a trip by a mean weight, in largest distances. PyVRP's own
+limit is a fixed number, which is far too low or too high for other units."""
+
+
+class PyVRPPlanner:
+    """Good plans for any size, without proof.
+
+    PyVRP has no notion of an order that must stay on one trip, so instances with orders of
+    several stops are refused. The number of trips is limited to the robots' (PyVRP's own
+    reader forgets it). Work units: iterations.
+    """
+
+    name = "pyvrp"
+    capabilities = Capabilities(kind="planner", whole_orders=False, extra="planners")
+
+    def search(
+        self,
+        instance: Instance,
+        *,
+        stop: Stop,
+        seed: int = 0,
+        start: Routes | None = None,
+        on_best: OnBest | None = None,
+    ) -> Search:
+        """Search until `stop`; see `Planner.search`.
+
+        Raises
+        ------
+        BackendError
+            When an order has several stops.
+        MissingExtraError
+            When PyVRP is not installed.
+        """
+        try:
+            import pyvrp
+            from pyvrp.exceptions import PenaltyBoundWarning
+            from pyvrp.IteratedLocalSearch import (
+                IteratedLocalSearchCallbacks,
+                IteratedLocalSearchParams,
+            )
+        except ImportError:
+            raise MissingExtraError("backend pyvrp", "planners") from None
+        if instance.whole_orders:
+            raise BackendError(
+                "backend pyvrp cannot keep orders of several stops together; "
+                "use backend auto or batching, or split the orders"
+            )
+        if not instance.orders:
+            return Search(routes=[])
+        data = _problem_data(instance)
+        iterations = 0
+        found: list[Routes] = []
+
+        def note(solution: pyvrp.Solution) -> None:
+            if solution.is_feasible() and solution.is_complete():
+                found.append(_routes(instance, solution))
+                if on_best is not None:
+                    on_best(found[-1], instance.length(found[-1]))
+                del found[:-1]
+
+        class Callbacks(IteratedLocalSearchCallbacks):
+            def on_best(self, best: pyvrp.Solution) -> None:
+                note(best)
+
+        def ended(_: float) -> bool:
+            nonlocal iterations
+            iterations += 1
+            return stop(iterations - 1)
+
+        first = None
+        if start is not None:
+            first = _solution(instance, data, start)
+            found.append(start)
+        with warnings.catch_warnings():
+            # That feasible plans are rare is no news for tight loads.
+            warnings.simplefilter("ignore", PenaltyBoundWarning)
+            result = pyvrp.solve(
+                data,
+                ended,
+                seed=seed % 2**31,
+                collect_stats=False,
+                display=False,
+                params=pyvrp.SolveParams(
+                    ils=IteratedLocalSearchParams(callbacks=Callbacks()),
+                    penalty=pyvrp.PenaltyParams(max_penalty=_largest_penalty(instance, data)),
+                ),
+                initial_solution=first,
+            )
+        note(result.best)
+        return Search(routes=found[-1] if found else None, work=result.num_iterations)
+
+
+def _problem_data(instance: Instance) -> pyvrp.ProblemData:
+    import pyvrp
+
+    capacities, counts = np.unique(instance.vehicle_capacities, return_counts=True)
+    whole = whole_costs(instance, RESOLUTION, int(counts.sum()))
+    matrix = whole.cost(instance.stop_distances)
+    positions = [
+        instance.warehouse.position(instance.items[nodes[0] - 1].place) for nodes in instance.stops
+    ]
+    return pyvrp.ProblemData(
+        locations=[pyvrp.Location(x, y) for x, y in [instance.warehouse.depot, *positions]],
+        clients=[
+            pyvrp.Client(location=s + 1, delivery=[weight])
+            for s, weight in enumerate(instance.stop_weights.tolist())
+        ],
+        depots=[pyvrp.Depot(location=0)],
+        vehicle_types=[
+            pyvrp.VehicleType(num_available=count, capacity=[capacity], fixed_cost=1)
+            for capacity, count in zip(capacities.tolist(), counts.tolist(), strict=True)
+        ],
+        distance_matrices=[matrix],
+        duration_matrices=[np.zeros_like(matrix)],
+    )
+
+
+def _largest_penalty(instance: Instance, data: pyvrp.ProblemData) -> float:
+    """Return the most that one unit of overload may cost, in PyVRP's cost."""
+    mean = max(float(instance.stop_weights.mean()), 1.0)
+    return max(1.0, OVERLOAD * float(data.distance_matrix(0).max()) / mean)
+
+
+def _routes(instance: Instance, solution: pyvrp.Solution) -> Routes:
+    return [
+        [
+            node
+            for activity in route
+            if activity.is_client()
+            for node in instance.stops[activity.idx]
+        ]
+        for route in solution.routes()
+    ]
+
+
+def _solution(instance: Instance, data: pyvrp.ProblemData, routes: Routes) -> pyvrp.Solution:
+    """Turn feasible routes into PyVRP's form: the heaviest onto the largest vehicles."""
+    import pyvrp
+
+    stop_of = {node: s for s, nodes in enumerate(instance.stops) for node in nodes}
+    kinds = [
+        kind
+        for kind, vehicle in sorted(
+            enumerate(data.vehicle_types()), key=lambda v: -v[1].capacity[0]
+        )
+        for _ in range(vehicle.num_available)
+    ]
+    heaviest_first = sorted(
+        (route for route in routes if route),
+        key=lambda route: -sum(int(instance.weights[v - 1]) for v in route),
+    )
+    return pyvrp.Solution(
+        data,
+        [
+            pyvrp.Route(data, list(dict.fromkeys(stop_of[v] for v in route)), kind)
+            for route, kind in zip(heaviest_first, kinds, strict=False)
+        ],
+    )

@@ -1,0 +1,83 @@
+"""Which backends exist, and how to get one by name.
+
+A backend of ours is one file and one line in `BUILTIN`. Third parties add theirs by an
+entry point in the group ``qrobot.backends`` whose value is a class or factory without
+parameters.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+import importlib.util
+from typing import TYPE_CHECKING, cast
+
+from qrobot.backends.base import Capabilities, Planner
+from qrobot.errors import InputError, MissingExtraError
+
+if TYPE_CHECKING:
+    from qrobot.backends.sampler import PickingSampler
+
+__all__ = ["BUILTIN", "GROUP", "available", "capabilities", "get", "names"]
+
+GROUP = "qrobot.backends"
+
+BUILTIN: dict[str, tuple[str, str, str]] = {
+    # name: (module, class, module that must be importable)
+    "exact": ("qrobot.backends.exact", "ExactPlanner", "numpy"),
+    "pyvrp": ("qrobot.backends.pyvrp", "PyVRPPlanner", "pyvrp"),
+    "batching": ("qrobot.backends.batching", "BatchingPlanner", "numpy"),
+    "neal": ("qrobot.backends.neal", "NealSampler", "dwave.samplers"),
+    "tabu": ("qrobot.backends.tabu", "TabuSampler", "dwave.samplers"),
+}
+"""In order of preference."""
+
+EXTRAS = {"pyvrp": "planners"}
+
+
+def _plugins() -> dict[str, importlib.metadata.EntryPoint]:
+    return {e.name: e for e in importlib.metadata.entry_points(group=GROUP)}
+
+
+def names() -> list[str]:
+    """Return the names of all known backends, installed or not, preferred first."""
+    return [*BUILTIN, *(name for name in sorted(_plugins()) if name not in BUILTIN)]
+
+
+def available(name: str) -> bool:
+    """Return whether a backend's software is installed, without importing it."""
+    if name not in BUILTIN:
+        return name in _plugins()
+    needed = BUILTIN[name][2]
+    try:
+        return importlib.util.find_spec(needed) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def get(name: str) -> Planner | PickingSampler:
+    """Return a backend by name.
+
+    Raises
+    ------
+    InputError
+        When no backend has that name.
+    MissingExtraError
+        When its software is not installed.
+    """
+    plugins = _plugins()
+    if name in BUILTIN:
+        if not available(name):
+            raise MissingExtraError(f"backend {name}", EXTRAS.get(name, "solver"))
+        module, cls, _ = BUILTIN[name]
+        return cast("Planner | PickingSampler", getattr(importlib.import_module(module), cls)())
+    if name in plugins:
+        return cast("Planner | PickingSampler", plugins[name].load()())
+    raise InputError(
+        f"{name!r} is no backend", field="backend", mend=f"use one of: auto, {', '.join(names())}"
+    )
+
+
+def capabilities(name: str) -> Capabilities:
+    """Return what a backend declares about itself."""
+    return get(name).capabilities

@@ -1,0 +1,64 @@
+"""Distances and costs as whole numbers, with ties going to fewer trips.
+
+Integer solvers get ``round(distance * scale) * spread`` and pay 1 for each trip. With
+``spread`` larger than the number of trips, one more trip never pays for less than one unit
+of distance: distance first, trips second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.problem import Instance
+
+__all__ = ["Whole", "whole_costs"]
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """A way to write distances as whole numbers.
+
+    Parameters
+    ----------
+    scale
+        Units per metre: 1 when all distances are whole.
+    spread
+        What one unit of distance costs; one trip costs 1.
+    exact
+        Whether nothing was rounded.
+    """
+
+    scale: float
+    spread: int
+    exact: bool
+
+    def cost(self, lengths: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+        """Return the whole cost of lengths, without the price of trips."""
+        return np.rint(lengths * self.scale).astype(np.int64) * self.spread
+
+    def length(self, cost: float) -> float:
+        """Return a length in metres that is surely not above what the cost stands for."""
+        length = cost / self.spread / self.scale
+        # Each trip was rounded by half a unit at most.
+        return max(0.0, length if self.exact else length - self.spread / self.scale)
+
+
+def whole_costs(instance: Instance, resolution: float, trips: int) -> Whole:
+    """Return how to write an instance's distances as whole numbers.
+
+    Parameters
+    ----------
+    instance
+        Its distances are kept as they are when they are whole already.
+    resolution
+        Otherwise: units in the largest distance.
+    trips
+        The most trips that a plan can have.
+    """
+    d = instance.place_distances
+    if bool((d == np.round(d)).all()) and float(d.max(initial=0.0)) < resolution:
+        return Whole(1.0, trips + 1, True)
+    return Whole(resolution / max(float(d.max(initial=0.0)), 1e-300), trips + 1, False)

@@ -1,0 +1,6 @@
+"""The answer: trips and plans, and the checker that trusts no solver."""
+
+from qrobot.plan.checker import CheckReport, Problem, check
+from qrobot.plan.plan import PLAN_SCHEMA, Plan, Trip
+
+__all__ = ["PLAN_SCHEMA", "CheckReport", "Plan", "Problem", "Trip", "check"]

@@ -1,0 +1,235 @@
+"""The checker that trusts no solver.
+
+It takes a plan and the question and recomputes everything a plan claims, by itself: loads
+as exact fractions, distances in plain Python (`ruler`). No code of `models`, `backends` or
+`planning` and no derived number of the instance takes part, so that a fault there cannot
+hide itself here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Literal
+
+from qrobot.plan.plan import Plan, Trip
+from qrobot.plan.ruler import Ruler
+from qrobot.problem.instance import Instance, Robot
+
+__all__ = ["CheckReport", "Problem", "check"]
+
+RELATIVE = 1e-6
+ABSOLUTE = 1e-9
+
+Kind = Literal[
+    "missing",
+    "repeated",
+    "unknown",
+    "orders",
+    "split",
+    "overload",
+    "load",
+    "robot",
+    "turns",
+    "empty",
+    "unreachable",
+    "distance",
+    "time",
+    "total",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong with a plan.
+
+    Parameters
+    ----------
+    kind
+        ``missing``, ``repeated`` or ``unknown`` items; ``orders`` listed that do not agree
+        with the stops; ``split`` orders; ``overload``; a wrong ``load`` or ``distance``;
+        an unknown ``robot``; too many ``turns`` of one; an ``empty`` trip; an
+        ``unreachable`` stop; a wrong driving ``time``; a wrong ``total``.
+    text
+        One sentence with the numbers.
+    """
+
+    kind: Kind
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, slots=True)
+class CheckReport:
+    """What the checker found.
+
+    Parameters
+    ----------
+    problems
+        Everything that is wrong; empty for a right plan.
+    trips, stops
+        How much was checked.
+    distance
+        The total distance that the checker measured; ``nan`` when it could not.
+    """
+
+    problems: tuple[Problem, ...]
+    trips: int = 0
+    stops: int = 0
+    distance: float = math.nan
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.problems
+
+    def __str__(self) -> str:
+        if self.ok:
+            return f"right: {self.trips} trips, {self.stops} stops, distance {self.distance:g}"
+        return "\n".join(f"{p.kind}: {p.text}" for p in self.problems)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the report as plain data."""
+        return {
+            "ok": self.ok,
+            "trips": self.trips,
+            "stops": self.stops,
+            "distance": self.distance if math.isfinite(self.distance) else None,
+            "problems": [{"kind": p.kind, "text": p.text} for p in self.problems],
+        }
+
+
+def check(plan: Plan, instance: Instance) -> CheckReport:
+    """Verify a plan against the question, without any solver's code.
+
+    Parameters
+    ----------
+    plan
+        The answer.
+    instance
+        The question; when its orders were split (`Instance.split_orders`), items of one
+        order may be on several trips.
+
+    Returns
+    -------
+    CheckReport
+        Every item is collected once; whole orders are on one trip, and those listed agree
+        with the stops; no load exceeds its robot's capacity (exact fractions); robots are
+        known and make no more trips than they may; no trip is empty; loads, driving times,
+        the distance of every trip and the total are stated right (relative tolerance
+        1e-6). A driving time of 0 counts as not stated.
+    """
+    problems = [*_items(plan, instance), *_orders(plan, instance), *_robots(plan, instance)]
+    robots = {robot.id: robot for robot in instance.robots}
+    weights = {item.id: item.weight for item in instance.items}
+    places = {item.id: item.place for item in instance.items}
+    ruler = Ruler(instance.warehouse, places.values())
+    total = 0.0
+    for number, trip in enumerate(plan.trips, 1):
+        stops = [stop for stop in trip.stops if stop in places]  # the others are told above
+        load = sum((weights[stop] for stop in stops), Fraction(0))
+        length = ruler.trip(places[stop] for stop in stops)
+        total += length
+        problems += _trip(number, trip, load, length, robots.get(trip.robot))
+    if math.isfinite(total) and not _agree(plan.distance, total):
+        problems.append(
+            Problem(
+                "total", f"the plan states a total distance of {plan.distance!r}, it is {total!r}"
+            )
+        )
+    return CheckReport(
+        problems=tuple(problems),
+        trips=len(plan.trips),
+        stops=sum(len(trip.stops) for trip in plan.trips),
+        distance=total,
+    )
+
+
+def _items(plan: Plan, instance: Instance) -> Iterator[Problem]:
+    visits = Counter(stop for trip in plan.trips for stop in trip.stops)
+    known = {item.id for item in instance.items}
+    if missing := [item.id for item in instance.items if item.id not in visits]:
+        yield Problem("missing", f"nobody collects {_some('item', missing)}")
+    if repeated := [f"{name} ({n} times)" for name, n in visits.items() if n > 1]:
+        yield Problem("repeated", f"more than once is collected: {_some('item', repeated)}")
+    if unknown := [name for name in visits if name not in known]:
+        yield Problem("unknown", f"not in the instance: {_some('item', unknown)}")
+
+
+def _orders(plan: Plan, instance: Instance) -> Iterator[Problem]:
+    if plan.split and not instance.split:
+        yield Problem("split", "the plan was made with split orders, the instance keeps them whole")
+    elif instance.split and not plan.split:
+        yield Problem("orders", "the plan was made with whole orders, the instance splits them")
+    owner = {item: order.id for order in instance.orders for item in order.items}
+    trips_of: defaultdict[str, set[int]] = defaultdict(set)
+    for number, trip in enumerate(plan.trips, 1):
+        served = {owner[stop] for stop in trip.stops if stop in owner}
+        listed = Counter(trip.orders)
+        for name in served:
+            trips_of[name].add(number)
+        if absent := sorted(served - set(listed)):
+            yield Problem("orders", f"trip {number} does not list {_some('order', absent)}")
+        if extra := sorted(set(listed) - served):
+            yield Problem(
+                "orders", f"trip {number} collects nothing of the listed {_some('order', extra)}"
+            )
+        if twice := sorted(name for name, n in listed.items() if n > 1):
+            yield Problem("orders", f"trip {number} lists twice: {_some('order', twice)}")
+    for order in instance.orders:
+        if len(trips := sorted(trips_of[order.id])) > 1:
+            on = ", ".join(map(str, trips))
+            yield Problem("split", f"order {order.id} is split over the trips {on}")
+
+
+def _robots(plan: Plan, instance: Instance) -> Iterator[Problem]:
+    allowed = {robot.id: robot.trips for robot in instance.robots}
+    for name, trips in Counter(trip.robot for trip in plan.trips).items():
+        if name not in allowed:
+            yield Problem("robot", f"robot {name} is not in the instance")
+        elif trips > allowed[name]:
+            yield Problem("turns", f"robot {name} makes {trips} trips, {allowed[name]} allowed")
+
+
+def _trip(
+    number: int, trip: Trip, load: Fraction, length: float, robot: Robot | None
+) -> Iterator[Problem]:
+    if not trip.stops:
+        yield Problem("empty", f"trip {number} of robot {trip.robot} has no stops")
+    if robot is not None and load > robot.capacity:
+        yield Problem(
+            "overload",
+            f"trip {number} carries {float(load):.12g}, robot {robot.id} holds "
+            f"{float(robot.capacity):.12g}",
+        )
+    if not _agree(trip.load, float(load)):
+        yield Problem(
+            "load", f"trip {number} states a load of {trip.load!r}, it is {float(load)!r}"
+        )
+    if math.isinf(length):
+        yield Problem("unreachable", f"trip {number} has a stop that no way leads to or from")
+    elif not _agree(trip.distance, length):
+        yield Problem(
+            "distance", f"trip {number} states a distance of {trip.distance!r}, it is {length!r}"
+        )
+    elif robot is not None and trip.seconds and not _agree(trip.seconds, length / robot.speed):
+        yield Problem(
+            "time",
+            f"trip {number} states {trip.seconds!r} s, at {robot.speed:g} m/s it takes "
+            f"{length / robot.speed!r} s",
+        )
+
+
+def _agree(stated: float, measured: float) -> bool:
+    return math.isclose(stated, measured, rel_tol=RELATIVE, abs_tol=ABSOLUTE)
+
+
+def _some(what: str, names: Sequence[str], most: int = 5) -> str:
+    shown = ", ".join(names[:most])
+    rest = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{what}{'s' if len(names) > 1 else ''} {shown}{rest}"

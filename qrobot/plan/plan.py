@@ -1,0 +1,214 @@
+"""The answer: trips, each of one robot, each from the depot and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from qrobot.errors import InputError
+from qrobot.problem.instance import Instance
+
+__all__ = ["PLAN_SCHEMA", "Plan", "Trip"]
+
+PLAN_SCHEMA = "qrobot.plan/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """One way of one robot: out of the depot, past its stops in sequence, and back.
+
+    Parameters
+    ----------
+    robot
+        Id of the robot.
+    orders
+        Ids of the orders it collects, sorted by first stop.
+    stops
+        Ids of the items in the sequence of collection.
+    distance
+        Length of the way with both legs to the depot, metres.
+    load
+        Weight carried at the end, in the unit of the input.
+    seconds
+        Driving time at the robot's speed.
+    """
+
+    robot: str
+    orders: tuple[str, ...]
+    stops: tuple[str, ...]
+    distance: float
+    load: float
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Trips that together answer an instance. Robots without a trip stay home.
+
+    Parameters
+    ----------
+    trips
+        The trips, by robot in the instance's sequence.
+    distance
+        Total distance, metres.
+    instance
+        Name of the instance.
+    split
+        Whether orders were allowed to be split (each item stood alone).
+    """
+
+    trips: tuple[Trip, ...]
+    distance: float
+    instance: str = "instance"
+    split: bool = False
+
+    @classmethod
+    def from_routes(cls, instance: Instance, routes: Sequence[Sequence[int]]) -> Plan:
+        """Make a plan from routes of nodes.
+
+        Parameters
+        ----------
+        instance
+            The question.
+        routes
+            For each trip its nodes (item index + 1) in sequence; empty ones are dropped.
+            The heaviest load goes to the largest robot, at equal capacity in the robots'
+            sequence, longest trip first.
+        """
+        drawn = []
+        for route in routes:
+            if not len(route):
+                continue
+            nodes = [int(v) for v in route]
+            load = int(sum(instance.weights[v - 1] for v in nodes))
+            drawn.append((load, instance.route_length(nodes), nodes))
+        seats = [
+            (int(capacity), r, turn)
+            for r, (robot, capacity) in enumerate(
+                zip(instance.robots, instance.capacities, strict=True)
+            )
+            for turn in range(min(robot.trips, len(drawn) or 1))
+        ]
+        if len(drawn) > len(seats):
+            raise ValueError(f"{len(drawn)} trips for {len(seats)} robots")
+        # Different robots before second turns, as long as capacities agree.
+        seats.sort(key=lambda s: (-s[0], s[2], s[1]))
+        uniform = len(set(instance.capacities.tolist())) == 1
+        drawn.sort(key=lambda t: (-t[1], t[2]) if uniform else (-t[0], -t[1], t[2]))
+        trips = []
+        for (_, r, turn), (load, length, nodes) in zip(seats, drawn, strict=False):
+            robot = instance.robots[r]
+            orders = dict.fromkeys(instance.orders[instance.order_of_node[v]].id for v in nodes)
+            trip = Trip(
+                robot=robot.id,
+                orders=tuple(orders),
+                stops=tuple(instance.items[v - 1].id for v in nodes),
+                distance=length,
+                load=float(load * instance.unit),
+                seconds=length / robot.speed,
+            )
+            trips.append((r, turn, trip))
+        trips.sort(key=lambda t: t[:2])
+        return cls(
+            trips=tuple(t for *_, t in trips),
+            distance=float(sum(t.distance for *_, t in trips)),
+            instance=instance.name,
+            split=instance.split,
+        )
+
+    def routes(self, instance: Instance) -> list[list[int]]:
+        """Return the trips as nodes (item index + 1) of the instance."""
+        node = {item.id: i + 1 for i, item in enumerate(instance.items)}
+        return [[node[stop] for stop in trip.stops] for trip in self.trips]
+
+    @property
+    def robots_used(self) -> int:
+        """Number of different robots that leave the depot."""
+        return len({trip.robot for trip in self.trips})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the plan as plain data (schema ``qrobot.plan/1``)."""
+        return {
+            "schema": PLAN_SCHEMA,
+            "instance": self.instance,
+            "split_orders": self.split,
+            "distance": self.distance,
+            "trips": [
+                {
+                    "robot": t.robot,
+                    "orders": list(t.orders),
+                    "stops": list(t.stops),
+                    "distance": t.distance,
+                    "load": t.load,
+                    "seconds": t.seconds,
+                }
+                for t in self.trips
+            ],
+        }
+
+    @classmethod
+    def from_dict(cls, data: Any, *, source: str | None = None) -> Plan:
+        """Read a plan from plain data.
+
+        Raises
+        ------
+        InputError
+            When the data is not a plan of schema ``qrobot.plan/1``.
+        """
+        if not isinstance(data, dict):
+            raise InputError("not a plan", source=source, mend="give a plan that qrobot wrote")
+        if data.get("schema") != PLAN_SCHEMA:
+            raise InputError(
+                f"unknown schema {data.get('schema')!r}",
+                source=source,
+                field="schema",
+                mend=f"this version reads {PLAN_SCHEMA!r}",
+            )
+        path = ""
+        try:
+            trips = []
+            for i, t in enumerate(data["trips"]):
+                path = f"trips[{i}]"
+                trips.append(
+                    Trip(
+                        robot=_text(t["robot"]),
+                        orders=tuple(_text(o) for o in t["orders"]),
+                        stops=tuple(_text(s) for s in t["stops"]),
+                        distance=_number(t["distance"]),
+                        load=_number(t["load"]),
+                        seconds=_number(t.get("seconds", 0.0)),
+                    )
+                )
+            path = ""
+            return cls(
+                trips=tuple(trips),
+                distance=_number(data["distance"]),
+                instance=_text(data.get("instance", "instance")),
+                split=bool(data.get("split_orders", False)),
+            )
+        except KeyError as error:
+            field = f"{path}.{error.args[0]}" if path else str(error.args[0])
+            raise InputError(
+                "is missing", source=source, field=field, mend="give a plan that qrobot wrote"
+            ) from None
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"is malformed ({error})",
+                source=source,
+                field=path or "trips",
+                mend="give a plan that qrobot wrote",
+            ) from None
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} is not text")
+    return value
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | Fraction):
+        raise TypeError(f"{value!r} is not a number")
+    return float(value)

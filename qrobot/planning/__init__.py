@@ -1,0 +1,7 @@
+"""`solve`: choice of strategy, deadline, decode, repair, polish, bound, result."""
+
+from qrobot.planning.result import Result, SamplerReport, Timing
+from qrobot.planning.run import Progress
+from qrobot.planning.solve import DEFAULT_DEADLINE, solve
+
+__all__ = ["DEFAULT_DEADLINE", "Progress", "Result", "SamplerReport", "Timing", "solve"]

@@ -1,0 +1,222 @@
+"""What `solve` returns: the plan, how good it is, and where the time went."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+from qrobot._files import write_text_atomic
+from qrobot.plan import Plan
+from qrobot.problem import Instance
+
+__all__ = ["Result", "SamplerReport", "Timing"]
+
+Ending = Literal["proven", "deadline", "work", "interrupted", "finished"]
+
+_ENDINGS = {
+    "proven": "stopped at the proof",
+    "deadline": "stopped at the deadline",
+    "work": "stopped at the limit of work",
+    "interrupted": "interrupted: the best plan so far",
+    "finished": "the backend finished its work",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SamplerReport:
+    """What a sampler found by itself, before any repair or polish.
+
+    Parameters
+    ----------
+    backend, encoding
+        Which sampler ran on which model.
+    variables
+        Binary variables of the model (qubits).
+    reads
+        Samples taken.
+    feasible_fraction
+        Share of the reads that decode to a plan without any violation.
+    best, mean
+        Least and mean distance of the feasible reads; ``None`` without one.
+    energy
+        Least energy of all reads, feasible or not.
+    control_best, control_mean
+        Least and mean distance that the same number of random starts gave after the same
+        repair and polish; ``None`` when no control was asked for.
+    polished_best
+        Least distance that the sampler's reads gave after repair and polish.
+    """
+
+    backend: str
+    encoding: str
+    variables: int
+    reads: int
+    feasible_fraction: float
+    best: float | None
+    mean: float | None
+    energy: float
+    control_best: float | None = None
+    control_mean: float | None = None
+    polished_best: float | None = None
+
+
+@dataclass(slots=True)
+class Timing:
+    """Wall-clock seconds of each part; parts that did not happen are zero.
+
+    Parameters
+    ----------
+    build
+        Making the model from the instance.
+    submit, latency, queue, return_
+        Remote backends only: handing over, network, waiting, fetching.
+    run
+        The sampler's or planner's own work.
+    decode, polish
+        Reading samples; repair and local search.
+    bound
+        Proving a lower bound.
+    check
+        The independent checker.
+    total
+        From the call of `solve` to its return, everything included.
+    """
+
+    build: float = 0.0
+    submit: float = 0.0
+    latency: float = 0.0
+    queue: float = 0.0
+    run: float = 0.0
+    return_: float = 0.0
+    decode: float = 0.0
+    polish: float = 0.0
+    bound: float = 0.0
+    check: float = 0.0
+    total: float = 0.0
+
+    def to_dict(self) -> dict[str, float]:
+        """Return the seconds by name (``return_`` as ``return``)."""
+        return {name.rstrip("_"): value for name, value in asdict(self).items()}
+
+
+@dataclass(frozen=True)
+class Result:
+    """A checked plan and everything that is known about it.
+
+    Parameters
+    ----------
+    instance, plan
+        The question and the answer; the checker has accepted the plan.
+    bound
+        A valid lower bound of the distance of any plan.
+    is_optimal
+        True only when a proof says that no plan is shorter.
+    backend
+        The backend that was asked for.
+    steps
+        What was run, in sequence, such as ``["pyvrp", "exact"]``.
+    seed
+        Of every random choice.
+    work
+        Work units done by each step.
+    ended
+        Why the search ended.
+    sampler
+        What the sampler gave by itself, for sampler backends.
+    timing
+        Where the time went.
+    notes
+        Facts that the reader must know: about the input, a fallback, a limit.
+    """
+
+    instance: Instance
+    plan: Plan
+    bound: float
+    is_optimal: bool
+    backend: str
+    steps: tuple[str, ...] = ()
+    seed: int = 0
+    work: dict[str, int] = field(default_factory=dict)
+    ended: Ending = "finished"
+    sampler: SamplerReport | None = None
+    timing: Timing = field(default_factory=Timing)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def cost(self) -> float:
+        """Total distance of the plan, metres."""
+        return self.plan.distance
+
+    @property
+    def gap(self) -> float:
+        """Largest possible share by which the plan exceeds the optimum: cost / bound - 1."""
+        if self.is_optimal or self.cost <= self.bound:
+            return 0.0
+        return self.cost / self.bound - 1 if self.bound > 0 else math.inf
+
+    def summary(self) -> str:
+        """Return the result in a few plain lines."""
+        robots = len(self.instance.robots)
+        if self.is_optimal:
+            quality = "proven optimal"
+        elif math.isinf(self.gap):
+            quality = "no lower bound is known"
+        else:
+            quality = f"at most {self.gap:.2%} above the optimum (bound {self.bound:g})"
+        lines = [
+            f"{self.instance.name}: {self.instance.size} items in {len(self.instance.orders)} "
+            f"orders, {self.plan.robots_used} of {robots} robots used",
+            f"distance {self.cost:g}, {quality}",
+            f"{' + '.join(self.steps) or self.backend} in {self.timing.total:.2f} s, "
+            f"{_ENDINGS[self.ended]}",
+        ]
+        if (s := self.sampler) is not None:
+            best = "no feasible read" if s.best is None else f"best {s.best:g}, mean {s.mean:g}"
+            lines.append(
+                f"{s.backend} by itself ({s.encoding}, {s.variables} variables, {s.reads} reads): "
+                f"{s.feasible_fraction:.0%} feasible, {best}"
+            )
+            if s.control_best is not None:
+                lines.append(
+                    f"control, as many random starts with the same repair and polish: "
+                    f"best {s.control_best:g}, mean {s.control_mean:g}"
+                )
+        lines += [f"note: {note}" for note in self.notes]
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the plan with all that is known about it as plain data.
+
+        The outer object is a plan of schema ``qrobot.plan/1``; its field ``result`` holds
+        the rest.
+        """
+        data = self.plan.to_dict()
+        data["result"] = {
+            "cost": self.cost,
+            "bound": self.bound,
+            "gap": self.gap if math.isfinite(self.gap) else None,
+            "is_optimal": self.is_optimal,
+            "robots_used": self.plan.robots_used,
+            "backend": self.backend,
+            "steps": list(self.steps),
+            "seed": self.seed,
+            "work": self.work,
+            "ended": self.ended,
+            "sampler": asdict(self.sampler) if self.sampler else None,
+            "timing": self.timing.to_dict(),
+            "notes": list(self.notes),
+        }
+        return data
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the result as JSON; never leaves a half-written file.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        write_text_atomic(path, json.dumps(self.to_dict(), indent=1, ensure_ascii=False) + "\n")

@@ -1,0 +1,183 @@
+"""One run of `solve`: the best plan so far, the bound, the clock, and who listens."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from qrobot.backends import Planner, Routes, Search, Stop
+from qrobot.errors import BackendError, QRobotError
+from qrobot.planning.result import SamplerReport, Timing
+from qrobot.problem import Instance
+
+__all__ = ["Progress", "Run", "plan_fits"]
+
+TIE = 1e-9
+"""Relative: distances closer than this are equal, and the fewer trips win."""
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """What a listener is told while `solve` works.
+
+    Parameters
+    ----------
+    step
+        The part that works now, such as ``pyvrp``.
+    elapsed
+        Seconds since the start.
+    cost
+        Distance of the best plan so far, or ``None``.
+    bound
+        Lower bound so far.
+    """
+
+    step: str
+    elapsed: float
+    cost: float | None
+    bound: float
+
+
+class Run:
+    """The state that strategies work on.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    stop
+        Deadline, work limit and interrupts of the whole run.
+    seed
+        Of every random choice.
+    listener
+        Told about every new step and every better plan.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        stop: Stop,
+        seed: int,
+        listener: Callable[[Progress], None] | None = None,
+    ) -> None:
+        self.instance = instance
+        self.stop = stop
+        self.seed = seed
+        self.routes: Routes | None = None
+        self.cost = float("inf")
+        self.bound = 0.0
+        self.proven = False
+        self.infeasible: str | None = None
+        self.steps: list[str] = []
+        self.work: dict[str, int] = {}
+        self.timing = Timing()
+        self.sampler: SamplerReport | None = None
+        self.notes: list[str] = list(instance.notes)
+        self._listener = listener
+
+    def offer(self, routes: Sequence[Sequence[int]], _cost: float | None = None) -> None:
+        """Keep routes when they are valid and better: shorter, or as short with fewer trips."""
+        kept = [[int(v) for v in route] for route in routes if len(route)]
+        if not plan_fits(self.instance, kept):
+            return
+        length = self.instance.length(kept)
+        slack = TIE * max(abs(length), 1e-300)
+        better = self.routes is None or length < self.cost - slack
+        fewer = not better and length <= self.cost + slack and len(kept) < len(self.routes or [])
+        if better or fewer:
+            self.routes, self.cost = kept, length
+            self.tell()
+
+    def raise_bound(self, bound: float) -> None:
+        """Keep a larger lower bound; whole distances lift it to the next whole number."""
+        d = self.instance.place_distances
+        if bool((d == np.round(d)).all()):
+            bound = float(np.ceil(bound - 1e-6))
+        self.bound = max(self.bound, bound)
+
+    def tell(self) -> None:
+        """Report progress to the listener."""
+        if self._listener is not None:
+            step = self.steps[-1] if self.steps else "start"
+            cost = self.cost if self.routes is not None else None
+            self._listener(Progress(step, self.stop.elapsed, cost, self.bound))
+
+    def begin(self, step: str) -> None:
+        """Note that a step begins; a step that goes on is named once."""
+        if not self.steps or self.steps[-1] != step:
+            self.steps.append(step)
+        self.tell()
+
+    @contextmanager
+    def timed(self, part: str) -> Iterator[None]:
+        """Add the time of a block to a part of the timing."""
+        begun = time.perf_counter()
+        try:
+            yield
+        finally:
+            setattr(self.timing, part, getattr(self.timing, part) + time.perf_counter() - begun)
+
+    def plan(self, planner: Planner, stop: Stop) -> Search:
+        """Let a planner search, starting from the best plan so far, and keep what it finds.
+
+        Raises
+        ------
+        BackendError
+            When the planner fails.
+        """
+        self.begin(planner.name)
+        with self.timed("run"):
+            try:
+                found = planner.search(
+                    self.instance,
+                    stop=stop,
+                    seed=self.seed,
+                    start=self.routes,
+                    on_best=self.offer,
+                )
+            except QRobotError:
+                raise
+            except Exception as error:
+                raise BackendError(
+                    f"backend {planner.name} failed: {type(error).__name__}: {error}"
+                ) from error
+        self.work[planner.name] = self.work.get(planner.name, 0) + found.work
+        if found.routes is not None:
+            self.offer(found.routes)
+        if found.infeasible is not None and self.routes is None:
+            self.infeasible = found.infeasible
+        self.raise_bound(found.bound)
+        if found.optimal and self.routes is not None:
+            self.proven = True
+            self.bound = max(self.bound, self.cost)
+        self.tell()
+        return found
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing is left to gain: proven optimal, by search or by bound."""
+        if self.infeasible is not None:
+            return True
+        if self.routes is not None and self.cost <= self.bound * (1 + TIE):
+            self.proven = True
+        return self.proven
+
+
+def plan_fits(instance: Instance, routes: Routes) -> bool:
+    """Return whether routes collect everything once, whole, within capacities and trips."""
+    nodes = sorted(v for route in routes for v in route)
+    if nodes != list(range(1, instance.size + 1)):
+        return False
+    capacities = instance.vehicle_capacities
+    if len(routes) > len(capacities):
+        return False
+    owner = instance.order_of_node
+    trips_of_order = {(int(owner[v]), t) for t, route in enumerate(routes) for v in route}
+    if len(trips_of_order) != len(instance.orders):
+        return False
+    loads = sorted((sum(int(instance.weights[v - 1]) for v in r) for r in routes), reverse=True)
+    return all(load <= room for load, room in zip(loads, capacities.tolist(), strict=False))

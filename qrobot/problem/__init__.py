@@ -1,0 +1,30 @@
+"""What is asked: warehouse, items, orders, robots; distances; readers and writers."""
+
+from qrobot.problem.instance import MAX_ITEMS, MAX_STOPS, Instance, Item, Order, Robot
+from qrobot.problem.warehouse import (
+    AisleWarehouse,
+    DistanceTable,
+    Node,
+    OpenFloor,
+    Place,
+    Point,
+    Slot,
+    Warehouse,
+)
+
+__all__ = [
+    "MAX_ITEMS",
+    "MAX_STOPS",
+    "AisleWarehouse",
+    "DistanceTable",
+    "Instance",
+    "Item",
+    "Node",
+    "OpenFloor",
+    "Order",
+    "Place",
+    "Point",
+    "Robot",
+    "Slot",
+    "Warehouse",
+]

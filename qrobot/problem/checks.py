@@ -1,0 +1,39 @@
+"""The checks that every number of a warehouse passes, however it was made."""
+
+from __future__ import annotations
+
+from qrobot.errors import InputError
+
+__all__ = ["MAX_LENGTH", "check_coordinate", "check_count", "check_index", "check_length"]
+
+MAX_LENGTH = 1e9
+"""No length or coordinate is larger, so that no sum of them overflows or loses a metre."""
+
+
+def check_count(value: int, field: str, *, most: int) -> None:
+    """Raise `InputError` when a count is not 1 to `most`."""
+    if not 1 <= value <= most:
+        raise InputError(f"{value} is not 1 to {most}", field=field, mend="correct the layout")
+
+
+def check_index(value: int, field: str, *, count: int) -> None:
+    """Raise `InputError` when something that is counted from 0 does not exist."""
+    if not 0 <= value < count:
+        raise InputError(
+            f"{value} is outside the layout",
+            field=field,
+            mend=f"use 0 to {count - 1}" if count else "remove it",
+        )
+
+
+def check_length(value: float, field: str, *, least: float = 0.0, most: float = MAX_LENGTH) -> None:
+    """Raise `InputError` when a length, metres, is not finite or out of its bounds."""
+    if not least <= value <= most:  # NaN too
+        raise InputError(
+            f"{value:g} is not {least:g} to {most:g}", field=field, mend="correct it (metres)"
+        )
+
+
+def check_coordinate(value: float, field: str) -> None:
+    """Raise `InputError` when a coordinate, metres, is not finite or huge."""
+    check_length(value, field, least=-MAX_LENGTH)

@@ -1,0 +1,103 @@
+"""JSON text in and out, with every digit kept.
+
+The standard reader takes ``NaN``, repeated keys and the last of two values without a word,
+and turns ``0.1`` into a binary float. This one refuses the former and keeps the digits;
+the writer puts one record on a line, so that people can read and compare files.
+"""
+
+from __future__ import annotations
+
+import json
+from decimal import Decimal
+from typing import Any
+
+from qrobot.errors import InputError
+
+__all__ = ["dumps", "loads"]
+
+_WIDTH = 96
+_EXACT_DIGITS = 15
+"""A binary float brings back any decimal of so many digits."""
+
+
+def loads(text: str) -> Any:
+    """Return the data of a JSON text; long decimals come as `Decimal`.
+
+    Raises
+    ------
+    InputError
+        When the text is not strict JSON, with line and column.
+    """
+    try:
+        return json.loads(
+            text,
+            parse_float=_float,
+            parse_int=_int,
+            parse_constant=_no_constant,
+            object_pairs_hook=_object,
+        )
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"broken JSON in line {error.lineno}, column {error.colno} ({error.msg.lower()})",
+            mend="correct it there",
+        ) from None
+    except RecursionError:
+        raise InputError("broken JSON (nested too deeply)", mend="flatten it") from None
+
+
+def _float(text: str) -> float | Decimal:
+    if len(text) <= _EXACT_DIGITS and "e" not in text.lower():
+        return float(text)
+    try:
+        return Decimal(text)
+    except ArithmeticError:
+        raise InputError(f"{text:.40} is not a finite number", mend="correct it") from None
+
+
+def _int(text: str) -> int | Decimal:
+    return int(text) if len(text) <= 40 else Decimal(text)
+
+
+def _no_constant(text: str) -> float:
+    raise InputError(f"{text} is not a number in JSON", mend="use a plain number")
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise InputError(f"the field {twice!r} is given twice", mend="keep one of them")
+    return found
+
+
+def dumps(data: Any) -> str:
+    """Return data as JSON text, short records on one line each."""
+    return _text(data, 0) + "\n"
+
+
+def _text(data: Any, indent: int) -> str:
+    flat = _flat(data)
+    nested = isinstance(data, dict | list) and any(
+        isinstance(v, dict | list) for v in (data.values() if isinstance(data, dict) else data)
+    )
+    if not (nested or isinstance(data, dict)) or (indent and len(flat) + indent <= _WIDTH):
+        return flat
+    pad = " " * (indent + 2)
+    if isinstance(data, dict):
+        lines = [f"{pad}{_flat(k)}: {_text(v, indent + 2)}" for k, v in data.items()]
+        return "{\n" + ",\n".join(lines) + f"\n{' ' * indent}}}"
+    lines = [pad + _text(v, indent + 2) for v in data]
+    return "[\n" + ",\n".join(lines) + f"\n{' ' * indent}]"
+
+
+def _flat(data: Any) -> str:
+    if isinstance(data, dict):
+        return "{" + ", ".join(f"{_flat(k)}: {_flat(v)}" for k, v in data.items()) + "}"
+    if isinstance(data, list):
+        return "[" + ", ".join(map(_flat, data)) + "]"
+    if isinstance(data, Decimal):
+        return format(data, "f")
+    if isinstance(data, float):
+        return str(int(data)) if data.is_integer() and abs(data) < 1e15 else repr(data)
+    return json.dumps(data, ensure_ascii=False)

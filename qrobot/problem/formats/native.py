@@ -1,0 +1,201 @@
+"""Native JSON, schema ``qrobot.instance/1``: read, and checked with our own words."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import ValidationError
+
+from qrobot._files import StrPath, read_text
+from qrobot.errors import InputError
+from qrobot.problem import (
+    MAX_ITEMS,
+    AisleWarehouse,
+    DistanceTable,
+    Instance,
+    Item,
+    Node,
+    OpenFloor,
+    Order,
+    Place,
+    Point,
+    Robot,
+    Slot,
+    Warehouse,
+)
+from qrobot.problem.formats.fields import shown
+from qrobot.problem.formats.jsontext import loads
+from qrobot.problem.formats.schema import (
+    SCHEMA,
+    AislesModel,
+    Document,
+    FleetModel,
+    FloorModel,
+    NodeModel,
+    PointModel,
+    SlotModel,
+)
+
+__all__ = ["Layout", "read_layout", "read_native"]
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What a document says without items and orders."""
+
+    name: str
+    comment: str
+    warehouse: Warehouse
+    robots: tuple[Robot, ...]
+
+
+def read_native(path: StrPath) -> Instance:
+    """Return the instance of a native JSON file.
+
+    Raises
+    ------
+    InputError
+        When the file is no document of this schema, or what it asks makes no sense.
+    """
+    document = _document(loads(read_text(path)))
+    if "items" not in document.model_fields_set:
+        raise InputError(
+            "is missing (a document without items is a layout)",
+            field="items",
+            mend="add the items, or give the orders as CSV with this layout",
+        )
+    layout = _layout(document)
+    items = tuple(Item(i.id, i.weight, _place(i.at)) for i in document.items)
+    if "orders" in document.model_fields_set:
+        orders = tuple(Order(o.id, tuple(o.items)) for o in document.orders)
+    else:
+        orders = tuple(Order(item.id, (item.id,)) for item in items)
+    try:
+        return Instance(
+            warehouse=layout.warehouse,
+            items=items,
+            orders=orders,
+            robots=layout.robots,
+            name=document.name,
+            comment=document.comment,
+            reference=document.reference,
+        )
+    except InputError as error:
+        if isinstance(document.robots, FleetModel) and error.field:
+            raise _moved(error, re.sub(r"^robots\[\d+\]", "robots", error.field)) from None
+        raise
+
+
+def read_layout(path: StrPath) -> Layout:
+    """Return the layout of a native document that has neither items nor orders."""
+    document = _document(loads(read_text(path)))
+    for name in ("items", "orders", "reference"):
+        if name in document.model_fields_set:
+            raise InputError(
+                "does not belong into a layout", field=name, mend="remove it, or solve this file"
+            )
+    return _layout(document)
+
+
+def _document(data: Any) -> Document:
+    """Check the version first: another one may mean anything by the same words."""
+    if not isinstance(data, dict):
+        raise InputError(f"is {shown(data)}, not an object", mend=f"see schema {SCHEMA!r}")
+    if (version := data.get("schema")) != SCHEMA:
+        problem = f"unknown schema {shown(version)}" if "schema" in data else "is missing"
+        if isinstance(version, str) and version.startswith("qrobot.plan/"):
+            problem = f"this is a plan ({version}), not an instance"
+        raise InputError(problem, field="schema", mend=f"this version reads {SCHEMA!r}")
+    try:
+        return Document.model_validate(data)
+    except ValidationError as error:
+        raise _sentence(error) from None
+
+
+def _sentence(error: ValidationError) -> InputError:
+    """Return the first fault as one sentence: field, value, mend."""
+    first = error.errors(include_url=False)[0]
+    path = ""
+    for part in first["loc"]:
+        if isinstance(part, int):
+            path += f"[{part}]"
+        elif not part.startswith("<"):  # a tag of ours, not a field
+            path += f".{part}"
+    context, value, kind = first.get("ctx", {}), shown(first["input"]), first["type"]
+    if kind == "qrobot":
+        problem, mend = context["problem"], context["mend"]
+        path += context["at"]
+    elif kind == "missing":
+        problem, mend = "is missing", "add it"
+    elif kind == "kind":
+        inside = isinstance(first["input"], dict)
+        path += ".kind" if inside else ""
+        problem = f"{shown(first['input'].get('kind')) if inside else value} is not known"
+        mend = "give 'aisles', 'floor' or 'matrix'"
+    elif kind == "place":
+        problem = f"{value} is not a place"
+        mend = "give aisle, block and slot; or x and y; or node"
+    elif kind == "robots":
+        problem, mend = f"{value} is not a fleet", "give count and capacity, or a list of robots"
+    else:
+        wish = first["msg"].removeprefix("Input should be ").removeprefix("a valid ")
+        wish = {"string": "text", "integer": "whole number"}.get(wish, wish)
+        problem, mend = f"{value} is not right", f"needed: {wish[0].lower()}{wish[1:]}"
+    return InputError(problem, field=path.removeprefix("."), mend=mend)
+
+
+def _moved(error: InputError, field: str) -> InputError:
+    return InputError(error.problem, source=error.source, field=field, mend=error.mend)
+
+
+def _layout(document: Document) -> Layout:
+    try:
+        warehouse = _warehouse(document)
+    except InputError as error:
+        raise _moved(error, f"warehouse.{error.field}") from None
+    fleet = document.robots
+    if isinstance(fleet, FleetModel):
+        if fleet.count > MAX_ITEMS:
+            raise InputError(
+                f"{fleet.count} robots are more than {MAX_ITEMS}",
+                field="robots.count",
+                mend="give fewer",
+            )
+        robots = tuple(
+            Robot(f"R{k + 1}", fleet.capacity, fleet.speed, fleet.trips) for k in range(fleet.count)
+        )
+    else:
+        robots = tuple(Robot(r.id, r.capacity, r.speed, r.trips) for r in fleet)
+    return Layout(document.name, document.comment, warehouse, robots)
+
+
+def _warehouse(document: Document) -> Warehouse:
+    model = document.warehouse
+    if isinstance(model, AislesModel):
+        return AisleWarehouse(
+            aisles=model.aisles,
+            slots=model.slots,
+            blocks=model.blocks,
+            aisle_pitch=model.aisle_pitch,
+            slot_pitch=model.slot_pitch,
+            end_gap=model.end_gap,
+            depot_aisle=model.depot.aisle,
+            depot_cross_aisle=model.depot.cross_aisle,
+            depot_distance=model.depot.distance,
+            closed_aisles=frozenset((c.aisle, c.block) for c in model.closed_aisles),
+            closed_crossings=frozenset((c.cross_aisle, c.aisle) for c in model.closed_crossings),
+        )
+    if isinstance(model, FloorModel):
+        return OpenFloor(model.depot.x, model.depot.y, model.metric, model.rounding)
+    positions = None if model.positions is None else tuple((x, y) for x, y in model.positions)
+    return DistanceTable(model.matrix, model.depot_node, positions)
+
+
+def _place(model: SlotModel | PointModel | NodeModel) -> Place:
+    if isinstance(model, SlotModel):
+        return Slot(model.aisle, model.slot, model.block, model.side)
+    if isinstance(model, PointModel):
+        return Point(model.x, model.y)
+    return Node(model.node)

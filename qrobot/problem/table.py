@@ -1,0 +1,116 @@
+"""A table of measured distances, for any building."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.errors import InputError
+from qrobot.problem.checks import MAX_LENGTH, check_coordinate, check_index
+from qrobot.problem.places import Node, Place
+
+__all__ = ["DistanceTable"]
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class DistanceTable:
+    """An explicit distance matrix, for any building whose ways were measured.
+
+    Parameters
+    ----------
+    matrix
+        Square rows of distances; asymmetric ones are allowed, ``inf`` marks no way. The
+        diagonal is not used: no way leads nowhere.
+    depot_node
+        The row of the depot.
+    positions
+        Coordinates to draw each row at, when they are known.
+    """
+
+    matrix: tuple[tuple[float, ...], ...]
+    depot_node: int = 0
+    positions: tuple[tuple[float, float], ...] | None = None
+    kind: Literal["matrix"] = "matrix"
+
+    def __post_init__(self) -> None:
+        """Check that the matrix is square and made of distances."""
+        size = len(self.matrix)
+        if not size:
+            raise InputError("is empty", field="matrix", mend="give at least the depot's row")
+        for i, row in enumerate(self.matrix):
+            if len(row) != size:
+                raise InputError(
+                    f"has {len(row)} entries where the matrix has {size} rows",
+                    field=f"matrix[{i}]",
+                    mend="make the matrix square",
+                )
+        values = np.asarray(self.matrix, dtype=np.float64)
+        bad = np.argwhere(~((values >= 0) & ((values <= MAX_LENGTH) | np.isinf(values))))
+        for i, j in bad[:1].tolist():
+            raise InputError(
+                f"{values[i, j]:g} is not 0 to {MAX_LENGTH:g}",
+                field=f"matrix[{i}][{j}]",
+                mend="correct the distance",
+            )
+        check_index(self.depot_node, "depot_node", count=size)
+        if self.positions is not None and len(self.positions) != size:
+            raise InputError(
+                f"{len(self.positions)} positions for {size} rows",
+                field="positions",
+                mend="give each row one position, or leave the positions out",
+            )
+        for i, (x, y) in enumerate(self.positions or ()):
+            check_coordinate(x, f"positions[{i}].x")
+            check_coordinate(y, f"positions[{i}].y")
+
+    @property
+    def depot(self) -> tuple[float, float]:
+        """Where the depot is drawn."""
+        return self.position(Node(self.depot_node))
+
+    def position(self, place: Place) -> tuple[float, float]:
+        """Return where a row is drawn: on a circle when no coordinates are known."""
+        assert isinstance(place, Node)
+        if self.positions is not None:
+            return self.positions[place.index]
+        if place.index == self.depot_node:
+            return 0.0, 0.0
+        angle = 2 * np.pi * place.index / len(self.matrix)
+        return float(np.cos(angle)), float(np.sin(angle))
+
+    def check(self, place: Place) -> None:
+        """Raise `InputError` when a place is not a row of the matrix."""
+        if not isinstance(place, Node):
+            raise InputError(f"{place} is not a row", mend="a distance matrix needs node")
+        if not 0 <= place.index < len(self.matrix):
+            raise InputError(
+                f"node {place.index} is outside the matrix",
+                field="node",
+                mend=f"use 0 to {len(self.matrix) - 1}, or add rows",
+            )
+
+    def distance_matrix(self, places: Sequence[Place]) -> Floats:
+        """Return the rows and columns of the places, the depot first.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n + 1, n + 1); row 0 is the depot.
+        """
+        rows = [self.depot_node, *(p.index for p in places if isinstance(p, Node))]
+        matrix = np.array(self.matrix, dtype=np.float64)
+        np.fill_diagonal(matrix, 0.0)
+        return np.asarray(matrix[np.ix_(rows, rows)])
+
+    def way(self, start: Place | None, end: Place | None) -> list[tuple[float, float]]:
+        """Return the corner points of a way; ``None`` stands for the depot."""
+        return [
+            self.depot if start is None else self.position(start),
+            self.depot if end is None else self.position(end),
+        ]

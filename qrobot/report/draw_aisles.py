@@ -1,0 +1,224 @@
+"""A plan in an aisle warehouse: racks, aisles, closed parts, and each robot's way."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.patches import Rectangle
+
+from qrobot.problem import AisleWarehouse, Slot
+from qrobot.report.canvas import Canvas, Look
+from qrobot.report.lanes import XY, Line, drawn_in_lanes
+from qrobot.report.palette import INK, Colour
+from qrobot.report.scene import Scene
+
+__all__ = ["draw_aisles"]
+
+FLOOR, CORRIDOR, RACK, CLOSED = "#eef1f4", "#ffffff", "#d5dbe2", "#f3d9d9"
+HATCH = "#b4545c"
+NOT_PICKED = Colour("#9aa5b1", "#5b6673")
+
+
+@dataclass(frozen=True, slots=True)
+class _Sizes:
+    """Half widths of corridors and the size of a slot, metres."""
+
+    aisle: float
+    cross: float
+    slot: float
+
+    @classmethod
+    def of(cls, house: AisleWarehouse) -> _Sizes:
+        pitch, slot = house.aisle_pitch, house.slot_pitch
+        aisle = max(0.2 * pitch, pitch / 2 - 2 * max(slot, house.end_gap))
+        free = house.end_gap - slot / 2
+        cross = max(free, min(0.5 * house.end_gap, 0.2 * pitch))
+        return cls(aisle, cross, min(slot, 2 * house.end_gap))
+
+
+def draw_aisles(scene: Scene) -> Any:
+    """Return the figure of a plan in an aisle warehouse."""
+    house = scene.instance.warehouse
+    assert isinstance(house, AisleWarehouse)
+    sizes = _Sizes.of(house)
+    width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
+    x, y = house.depot
+    low = (-house.aisle_pitch / 2, min(-sizes.cross, y))
+    high = (width + house.aisle_pitch / 2, max(depth + sizes.cross, y))
+    room = 0.055 * max(high[0] - low[0], high[1] - low[1])
+    closed = bool(house.closed_aisles or house.closed_crossings)
+    extra = [("slot", RACK, ""), *([("closed", CLOSED, "////")] if closed else [])]
+    canvas = Canvas(
+        scene, (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room), extra
+    )
+    _floor(canvas, house, sizes)
+    _closed(canvas, house, sizes)
+    look = _look(canvas, scene, sizes)
+    lines = drawn_in_lanes(
+        [journey.legs for journey in scene.journeys],
+        step=canvas.metres(look.line * 1.75 + look.halo * 0.5),
+        widths=(1.7 * sizes.cross, 1.6 * sizes.aisle),
+    )
+    for journey, line in zip(scene.journeys, lines, strict=True):
+        canvas.way(journey, line.corners, look, bend=canvas.metres(look.line * 2.2))
+        canvas.halts(journey, line.stops, size=look.line * 1.9)
+    _picks(canvas, scene, house, sizes, lines)
+    below = y <= depth / 2
+    canvas.depot((x, y), label=(0, -12 if below else 12), align=("center", "top" if below else "bottom"))
+    _names(canvas, house, sizes, above=below)
+    return canvas.figure
+
+
+def _look(canvas: Canvas, scene: Scene, sizes: _Sizes) -> Look:
+    """Choose widths: as wide as looks well, as narrow as the lanes need."""
+    corridor = canvas.points(2 * min(sizes.aisle, 2.2 * sizes.cross))
+    crowd = max(4, min(len(scene.journeys), 12))
+    line = max(0.6, min(2.6, corridor / (2.1 * crowd)))
+    return Look(line=line, halo=0.9 * line, arrow=max(3.2, 3.1 * line), every=110)
+
+
+def _slot_box(house: AisleWarehouse, sizes: _Sizes, slot: Slot) -> tuple[float, float, float, float]:
+    """Return left, bottom, width and height of a slot."""
+    x, y = house.position(slot)
+    deep = house.aisle_pitch / 2 - sizes.aisle
+    left = x - house.aisle_pitch / 2 if slot.side == "left" else x + sizes.aisle
+    return left, y - sizes.slot / 2, deep, sizes.slot
+
+
+def _corners(left: float, bottom: float, width: float, height: float) -> list[XY]:
+    right, top = left + width, bottom + height
+    return [(left, bottom), (right, bottom), (right, top), (left, top)]
+
+
+def _floor(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
+    axes = canvas.axes
+    width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
+    left, right = -house.aisle_pitch / 2, width + house.aisle_pitch / 2
+    axes.add_patch(
+        Rectangle(
+            (left, -sizes.cross),
+            right - left,
+            depth + 2 * sizes.cross,
+            fc=CORRIDOR,
+            ec="#aeb8c4",
+            lw=1.0,
+            gid="floor",
+            zorder=0,
+        )
+    )
+    racks = [
+        _corners(*_slot_box(house, sizes, Slot(aisle, slot, block, side)))
+        for aisle in range(house.aisles)
+        for block in range(house.blocks)
+        for slot in range(house.slots)
+        for side in ("left", "right")
+    ]
+    thin = max(0.1, min(0.8, canvas.points(sizes.slot) / 14))
+    axes.add_collection(
+        PolyCollection(
+            racks, facecolors=RACK, edgecolors="white", linewidths=thin, zorder=1, gid="racks"
+        )
+    )
+
+
+def _closed(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
+    boxes = []
+    for aisle, block in sorted(house.closed_aisles):
+        x, y = aisle * house.aisle_pitch, block * house.block_length
+        boxes.append((x - sizes.aisle, y + sizes.cross, 2 * sizes.aisle, house.block_length - 2 * sizes.cross))
+    for cross, aisle in sorted(house.closed_crossings):
+        x, y = aisle * house.aisle_pitch, cross * house.block_length
+        boxes.append((x + sizes.aisle, y - sizes.cross, house.aisle_pitch - 2 * sizes.aisle, 2 * sizes.cross))
+    for n, (left, bottom, width, height) in enumerate(boxes, 1):
+        canvas.axes.add_patch(
+            Rectangle(
+                (left, bottom), width, height, fc=CLOSED, ec=HATCH, lw=0.6, hatch="////",
+                zorder=2, gid=f"closed-{n}",
+            )
+        )
+
+
+def _picks(
+    canvas: Canvas, scene: Scene, house: AisleWarehouse, sizes: _Sizes, lines: list[Line]
+) -> None:
+    """Colour the slots that are picked from and number them by stop."""
+    at: defaultdict[Slot, list[tuple[int, int]]] = defaultdict(list)  # (journey, stop)
+    for j, journey in enumerate(scene.journeys):
+        for stop, item in enumerate(journey.items):
+            assert isinstance(item.place, Slot)
+            at[item.place].append((j, stop))
+    boxes: defaultdict[int, list[list[XY]]] = defaultdict(list)
+    arms: defaultdict[int, list[list[XY]]] = defaultdict(list)
+    for slot, visits in at.items():
+        left, bottom, width, height = _slot_box(house, sizes, slot)
+        parts = [(j, [s for _, s in group]) for j, group in groupby(sorted(visits), lambda v: v[0])]
+        each = width / len(parts)
+        for k, (j, stops) in enumerate(parts):
+            x = left + k * each
+            boxes[j].append(_corners(x, bottom, each, height))
+            _number(canvas, (x + each / 2, bottom + height / 2), (each, height), stops, scene, j)
+            arm = lines[j].stops[stops[0]]
+            side = left + width if slot.side == "left" else left
+            arms[j].append([arm, (side, arm[1])])
+    waiting = [i.place for i in scene.instance.items if isinstance(i.place, Slot) and i.place not in at]
+    if waiting:
+        boxes[-1] = [_corners(*_slot_box(house, sizes, slot)) for slot in waiting]
+    for j, polygons in boxes.items():
+        colour = NOT_PICKED if j < 0 else scene.journeys[j].colour
+        name = "not-picked" if j < 0 else f"trip-{scene.journeys[j].number}-picks"
+        canvas.axes.add_collection(
+            PolyCollection(
+                polygons, facecolors=colour.fill, edgecolors=colour.edge,
+                linewidths=min(0.8, canvas.points(sizes.slot) / 12), zorder=3, gid=name,
+            )
+        )
+    for j, segments in arms.items():
+        canvas.axes.add_collection(
+            LineCollection(
+                segments, colors=scene.journeys[j].colour.edge,
+                linewidths=min(0.9, canvas.points(sizes.slot) / 12), zorder=3.5,
+            )
+        )
+
+
+def _number(
+    canvas: Canvas, at: XY, box: XY, stops: list[int], scene: Scene, journey: int
+) -> None:
+    first, last = stops[0] + 1, stops[-1] + 1
+    if first == last:
+        text = f"{first}"
+    elif last - first == len(stops) - 1:
+        text = f"{first}-{last}"
+    else:
+        text = f"{first}+"
+    size = min(8.5, canvas.points(box[1]) * 0.78, canvas.points(box[0]) * 0.92 / (0.64 * len(text)))
+    if size >= 3.2:
+        canvas.axes.text(
+            *at, text, size=size, color=scene.journeys[journey].colour.text, weight="bold",
+            ha="center", va="center_baseline", zorder=7,
+        )
+
+
+def _names(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes, *, above: bool) -> None:
+    """Number the aisles on the side away from the depot."""
+    y = house.blocks * house.block_length + sizes.cross if above else -sizes.cross
+    offset = 5 if above else -5
+    every = 1 + int(house.aisles * 17 / max(canvas.points((house.aisles) * house.aisle_pitch), 1))
+    for aisle in range(0, house.aisles, every):
+        canvas.axes.annotate(
+            f"aisle {aisle}" if aisle == 0 else f"{aisle}",
+            (aisle * house.aisle_pitch, y),
+            xytext=(0, offset),
+            textcoords="offset points",
+            ha="center",
+            va="bottom" if above else "top",
+            size=7.5,
+            color="#5b6673",
+        )
+
+
+_ = INK

@@ -1,0 +1,214 @@
+"""Lanes: how ways that run along the same aisle are drawn beside each other.
+
+A way along aisles is a chain of straight runs. Runs of one corridor (one aisle, one cross
+aisle) that overlap get lanes of their own, so that no way hides another and a way in and
+back out again shows as two lines. Everything is in metres of the floor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+__all__ = ["Line", "XY", "drawn_in_lanes", "rounded"]
+
+XY = tuple[float, float]
+
+CLOSE = 1e-9
+
+
+@dataclass(slots=True)
+class Line:
+    """A way, ready to draw.
+
+    Parameters
+    ----------
+    corners
+        Its corner points.
+    stops
+        Where it halts, in sequence.
+    """
+
+    corners: list[XY]
+    stops: list[XY]
+
+
+@dataclass(slots=True)
+class _Run:
+    """A straight part of a way: along x (axis 0) or along y (axis 1)."""
+
+    trip: int
+    index: int
+    axis: int
+    across: float
+    start: float
+    end: float
+    stops: list[tuple[int, float]] = field(default_factory=list)
+    wish: int = 0
+    lane: float = 0.0
+
+    @property
+    def low(self) -> float:
+        return min(self.start, self.end)
+
+    @property
+    def high(self) -> float:
+        return max(self.start, self.end)
+
+    def at(self, along: float) -> XY:
+        across = self.across + self.lane
+        return (along, across) if self.axis == 0 else (across, along)
+
+
+def drawn_in_lanes(
+    ways: Sequence[Sequence[Sequence[XY]]], *, step: float, widths: tuple[float, float]
+) -> list[Line]:
+    """Give every way its lanes.
+
+    Parameters
+    ----------
+    ways
+        For each trip its legs, each the corner points from one stop to the next; all runs
+        are parallel to an axis.
+    step
+        Wanted distance between two lanes.
+    widths
+        Room for the lanes of a corridor along x and of one along y; more lanes than fit
+        stand closer.
+
+    Returns
+    -------
+    list of Line
+        One for each trip; its stops are the ends of all legs but the last.
+    """
+    chains = [_runs(trip, legs) for trip, legs in enumerate(ways)]
+    corridors: defaultdict[tuple[int, float], list[_Run]] = defaultdict(list)
+    for runs in chains:
+        _wishes(runs)
+        for run in runs:
+            corridors[run.axis, round(run.across, 6)].append(run)
+    for (axis, _), runs in corridors.items():
+        for group in _touching(runs, step):
+            _assign(group, step, widths[axis])
+    return [
+        _joined(runs) if runs else Line([legs[0][0]], [leg[-1] for leg in legs[:-1]])
+        for runs, legs in zip(chains, ways, strict=True)
+    ]
+
+
+def _runs(trip: int, legs: Sequence[Sequence[XY]]) -> list[_Run]:
+    """Cut a chain of legs into straight runs; a run goes on through stops."""
+    runs: list[_Run] = []
+    waiting: list[int] = []  # stops before the first move
+    for number, leg in enumerate(legs):
+        for a, b in zip(leg, leg[1:], strict=False):
+            dx, dy = b[0] - a[0], b[1] - a[1]
+            if abs(dx) < CLOSE and abs(dy) < CLOSE:
+                continue
+            axis = 0 if abs(dx) >= abs(dy) else 1
+            ahead = (b[axis] - a[axis]) > 0
+            last = runs[-1] if runs else None
+            if last is not None and last.axis == axis and (last.end > last.start) == ahead:
+                last.end = b[axis]
+            else:
+                runs.append(_Run(trip, len(runs), axis, a[1 - axis], a[axis], b[axis]))
+                runs[-1].stops += [(stop, a[axis]) for stop in waiting]
+                waiting.clear()
+        if number < len(legs) - 1:
+            if runs:
+                runs[-1].stops.append((number, runs[-1].end))
+            else:
+                waiting.append(number)
+    return runs
+
+
+def _wishes(runs: list[_Run]) -> None:
+    """Let each run wish for the side that its neighbours come from and go to."""
+    for before, run in zip(runs, runs[1:], strict=False):
+        if before.axis != run.axis:
+            run.wish += -1 if before.end > before.start else 1
+            before.wish += 1 if run.end > run.start else -1
+
+
+def _touching(runs: list[_Run], margin: float) -> list[list[_Run]]:
+    """Group the runs of one corridor that overlap, directly or over others."""
+    groups: list[list[_Run]] = []
+    reach = -math.inf
+    for run in sorted(runs, key=lambda r: (r.low, r.trip, r.index)):
+        if run.low > reach + margin:
+            groups.append([])
+        groups[-1].append(run)
+        reach = max(reach, run.high)
+    return groups
+
+
+def _assign(group: list[_Run], step: float, width: float) -> None:
+    """Put each run into the first free lane, the runs of a trip beside each other."""
+    lanes: list[list[_Run]] = []
+    for run in sorted(group, key=lambda r: (r.trip, r.wish, r.index)):
+        for lane, taken in enumerate(lanes):
+            if all(run.low > r.high + step or r.low > run.high + step for r in taken):
+                break
+        else:
+            lane = len(lanes)
+            lanes.append([])
+        lanes[lane].append(run)
+        run.lane = float(lane)
+    gap = min(step, width / len(lanes))
+    for run in group:
+        run.lane = (run.lane - (len(lanes) - 1) / 2) * gap
+
+
+def _joined(runs: list[_Run]) -> Line:
+    corners = [runs[0].at(runs[0].start)]
+    halts: dict[int, XY] = {}
+    for run, after in zip(runs, [*runs[1:], None], strict=True):
+        turn = after is not None and after.axis == run.axis
+        for stop, along in run.stops:
+            halts[stop] = run.at(along)
+            if after is not None and along == run.end:
+                if turn:  # the middle of the cap
+                    (ax, ay), (bx, by) = run.at(along), after.at(after.start)
+                    halts[stop] = (ax + bx) / 2, (ay + by) / 2
+                else:
+                    halts[stop] = _corner(run, after)
+        if after is None:
+            corners.append(run.at(run.end))
+        elif turn:
+            corners += [run.at(run.end), after.at(after.start)]
+        else:
+            corners.append(_corner(run, after))
+    return Line(corners, [halts[stop] for stop in sorted(halts)])
+
+
+def _corner(run: _Run, after: _Run) -> XY:
+    across, along = run.across + run.lane, after.across + after.lane
+    return (along, across) if run.axis == 0 else (across, along)
+
+
+def rounded(corners: Sequence[XY], radius: float) -> list[tuple[str, XY]]:
+    """Return drawing steps for a line with round corners.
+
+    Returns
+    -------
+    list of tuple
+        ``("move", point)``, ``("line", point)`` or ``("control", point)``; a control point
+        is followed by the ``("curve", point)`` that the quadratic curve ends at.
+    """
+    points = [corners[0], *(b for a, b in zip(corners, corners[1:], strict=False) if a != b)]
+    steps: list[tuple[str, XY]] = [("move", points[0])]
+    for before, at, after in zip(points, points[1:], points[2:], strict=False):
+        r = min(radius, math.dist(before, at) / 2, math.dist(at, after) / 2)
+        steps.append(("line", _towards(at, before, r)))
+        steps.append(("control", at))
+        steps.append(("curve", _towards(at, after, r)))
+    if len(points) > 1:
+        steps.append(("line", points[-1]))
+    return steps
+
+
+def _towards(a: XY, b: XY, length: float) -> XY:
+    share = length / math.dist(a, b)
+    return a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share

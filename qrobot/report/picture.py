@@ -1,0 +1,116 @@
+"""`plot`: a plan as a picture that can be shown in a talk."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from qrobot._files import write_bytes_atomic
+from qrobot.errors import InputError, MissingExtraError
+from qrobot.plan import Plan
+from qrobot.problem import AisleWarehouse, Instance
+from qrobot.report.palette import INK
+from qrobot.report.scene import scene_of
+
+if TYPE_CHECKING:
+    from qrobot.planning import Result
+
+__all__ = ["check_picture_path", "plot", "save", "style"]
+
+DOTS_PER_INCH = 160
+
+
+def plot(
+    answer: Result | Plan, path: str | os.PathLike[str], instance: Instance | None = None
+) -> None:
+    """Draw a plan and write it as SVG or PNG, as the file's suffix says.
+
+    Parameters
+    ----------
+    answer
+        A result, or a plan together with its instance.
+    path
+        Where to write; never leaves a half-written file. The same plan gives the same file.
+    instance
+        The question; needed for a plan alone.
+
+    Raises
+    ------
+    MissingExtraError
+        When matplotlib is not installed.
+    InputError
+        When the suffix is another one, the file cannot be written, or plan and instance do
+        not belong together.
+    """
+    check_picture_path(path)
+    with style():
+        from qrobot.report.draw_aisles import draw_aisles
+        from qrobot.report.draw_floor import draw_floor
+
+        scene = scene_of(answer, instance)
+        aisles = isinstance(scene.instance.warehouse, AisleWarehouse)
+        save(draw_aisles(scene) if aisles else draw_floor(scene), path)
+
+
+def check_picture_path(path: str | os.PathLike[str]) -> str:
+    """Return the kind of picture that a path asks for, ``svg`` or ``png``.
+
+    Raises
+    ------
+    InputError
+        When it is neither.
+    """
+    kind = Path(path).suffix.lower().lstrip(".")
+    if kind not in {"svg", "png"}:
+        raise InputError(
+            f"{os.fspath(path)!r} names no kind of picture", mend="end it with .svg or .png"
+        )
+    return kind
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw with settings of our own, whatever the user's matplotlib is set to.
+
+    Raises
+    ------
+    MissingExtraError
+        When matplotlib is not installed.
+    """
+    try:
+        import matplotlib
+    except ImportError:
+        raise MissingExtraError("drawing pictures", "plot") from None
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(
+            {
+                "axes.labelcolor": INK,
+                "font.family": ["DejaVu Sans"],
+                "path.simplify": False,
+                "svg.fonttype": "none",  # text stays text: small files, can be searched
+                "svg.hashsalt": "qrobot",  # else every file has random ids
+                "text.color": INK,
+            }
+        )
+        yield
+
+
+def save(figure: Any, path: str | os.PathLike[str]) -> None:
+    """Write a figure as SVG or PNG, without dates or versions in it."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    kind = check_picture_path(path)
+    whole = io.BytesIO()
+    if kind == "svg":
+        metadata: dict[str, Any] = {"Date": None, "Creator": None}
+        FigureCanvasSVG(figure).print_svg(whole, metadata=metadata)
+    else:
+        FigureCanvasAgg(figure)
+        figure.savefig(whole, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    write_bytes_atomic(path, whole.getvalue())

@@ -1,0 +1,170 @@
+"""What a picture or a table shows: a plan looked up in its instance, without any drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from qrobot.errors import InputError
+from qrobot.plan import Plan, Trip
+from qrobot.problem import AisleWarehouse, Instance, Item, OpenFloor
+from qrobot.report.lanes import XY
+from qrobot.report.palette import Colour, colour_of
+
+if TYPE_CHECKING:
+    from qrobot.planning import Result
+
+__all__ = ["Journey", "Scene", "number", "scene_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Journey:
+    """A trip with all that is drawn of it.
+
+    Parameters
+    ----------
+    trip
+        The trip.
+    number
+        Of the trip in the plan, from 1.
+    name
+        Of the robot, with the turn when it makes several trips.
+    colour
+        Of the robot.
+    turn
+        Which trip of its robot, from 0.
+    capacity
+        Of the robot.
+    items
+        What is collected, in sequence.
+    legs
+        Corner points from the depot to the first stop, ..., from the last to the depot.
+    """
+
+    trip: Trip
+    number: int
+    name: str
+    colour: Colour
+    turn: int
+    capacity: Fraction
+    items: tuple[Item, ...]
+    legs: tuple[tuple[XY, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A plan in its warehouse.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    journeys
+        The trips.
+    title, subtitle
+        What stands above the picture.
+    unit
+        Of distances, with a space before it, or nothing where it is unknown.
+    """
+
+    instance: Instance
+    journeys: tuple[Journey, ...]
+    title: str
+    subtitle: str
+    unit: str
+
+    def length(self, value: float) -> str:
+        """Return a distance with its unit."""
+        return f"{number(value)}{self.unit}"
+
+
+def scene_of(answer: Result | Plan, instance: Instance | None = None) -> Scene:
+    """Look a plan up in its instance.
+
+    Raises
+    ------
+    InputError
+        When the plan is not one of this instance, or no instance was given.
+    """
+    if isinstance(answer, Plan):
+        plan, quality = answer, ""
+        if instance is None:
+            raise InputError("a plan alone has no warehouse", mend="give its instance too")
+    else:
+        plan, quality = answer.plan, _quality(answer)
+        instance = answer.instance if instance is None else instance
+    items = {item.id: item for item in instance.items}
+    fleet = {robot.id: i for i, robot in enumerate(instance.robots)}
+    several = {t.robot for t in plan.trips if sum(t.robot == o.robot for o in plan.trips) > 1}
+    turns: dict[str, int] = {}
+    journeys = []
+    for n, trip in enumerate(plan.trips, 1):
+        if trip.robot not in fleet:
+            raise InputError(f"robot {trip.robot!r} is not in the instance", mend=_MEND)
+        for stop in trip.stops:
+            if stop not in items:
+                raise InputError(f"item {stop!r} is not in the instance", mend=_MEND)
+        turn = turns[trip.robot] = turns.get(trip.robot, -1) + 1
+        picked = tuple(items[stop] for stop in trip.stops)
+        places = [None, *(item.place for item in picked), None]
+        journeys.append(
+            Journey(
+                trip=trip,
+                number=n,
+                name=f"{trip.robot}, trip {turn + 1}" if trip.robot in several else trip.robot,
+                colour=colour_of(fleet[trip.robot]),
+                turn=turn,
+                capacity=instance.robots[fleet[trip.robot]].capacity,
+                items=picked,
+                legs=tuple(
+                    tuple(instance.warehouse.way(a, b))
+                    for a, b in zip(places, places[1:], strict=False)
+                ),
+            )
+        )
+    unit = _unit(instance)
+    return Scene(
+        instance=instance,
+        journeys=tuple(journeys),
+        title=f"{instance.name}: {number(plan.distance)}{unit}{quality}",
+        subtitle=_subtitle(plan, instance),
+        unit=unit,
+    )
+
+
+_MEND = "give the instance that the plan was made for"
+
+
+def number(value: float | Fraction) -> str:
+    """Return a number with as many digits as people want to read."""
+    value = float(value)
+    if value == round(value) or abs(value) >= 10_000:
+        return f"{value:.0f}"
+    return f"{value:.2f}".rstrip("0") if abs(value) >= 0.1 else f"{value:.3g}"
+
+
+def _quality(result: Result) -> str:
+    if result.is_optimal:
+        return ", proven optimal"
+    gap = result.gap
+    return f", at most {gap:.1%} above the optimum" if gap < 10 else ""
+
+
+def _unit(instance: Instance) -> str:
+    house = instance.warehouse
+    metres = isinstance(house, AisleWarehouse) or (
+        isinstance(house, OpenFloor) and house.rounding == "none"
+    )
+    return " m" if metres else ""
+
+
+def _subtitle(plan: Plan, instance: Instance) -> str:
+    orders = f" in {_count(len(instance.orders), 'order')}" if instance.whole_orders else ""
+    robots = f"{plan.robots_used} of {_count(len(instance.robots), 'robot')} used"
+    trips = f", {len(plan.trips)} trips" if len(plan.trips) > plan.robots_used else ""
+    return f"{_count(instance.size, 'item')}{orders}, {robots}{trips}"
+
+
+def _count(n: int, what: str) -> str:
+    return f"{n} {what}" if n == 1 else f"{n} {what}s"

@@ -1,0 +1,88 @@
+"""Answers found without any code of the package: what solvers are held against.
+
+>>> from oracles import least_distance
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from fractions import Fraction
+from functools import cache
+from itertools import combinations
+
+from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
+
+__all__ = ["least_distance", "paper_shaped"]
+
+
+def least_distance(instance: Instance) -> tuple[float, int] | None:
+    """Return the least distance of any plan and the fewest trips at it, or None.
+
+    A dynamic programme over sets of orders in plain Python: robots one after the other,
+    each takes any set that it can carry, whose tour is found by trying sequences with
+    memory. Weights stay fractions; nothing of `Instance` but its input is used, except
+    the distance matrix, which the tests of the problem room hold against networkx.
+    """
+    d = instance.distances.tolist()
+    node = {item.id: i + 1 for i, item in enumerate(instance.items)}
+    weight = {item.id: item.weight for item in instance.items}
+    lots = [tuple(node[i] for i in order.items) for order in instance.orders]
+    loads = [sum((weight[i] for i in order.items), Fraction(0)) for order in instance.orders]
+
+    @cache
+    def path(last: int, left: frozenset[int]) -> float:
+        if not left:
+            return float(d[last][0])
+        return min(d[last][v] + path(v, left - {v}) for v in left)
+
+    def tour(orders: frozenset[int]) -> float:
+        return path(0, frozenset(v for o in orders for v in lots[o]))
+
+    seats = [robot.capacity for robot in instance.robots for _ in range(robot.trips)]
+    seats = sorted(seats, reverse=True)[: max(len(lots), 1)]
+    everything = frozenset(range(len(lots)))
+    tours: dict[frozenset[int], float] = {}
+
+    @cache
+    def best(seat: int, left: frozenset[int]) -> tuple[float, int]:
+        if not left:
+            return 0.0, 0
+        if seat == len(seats):
+            return math.inf, 0
+        found = best(seat + 1, left)  # the robot stays home
+        members = sorted(left)
+        for size in range(1, len(members) + 1):
+            for chosen in combinations(members, size):
+                if sum((loads[o] for o in chosen), Fraction(0)) > seats[seat]:
+                    continue
+                batch = frozenset(chosen)
+                if batch not in tours:
+                    tours[batch] = tour(batch)
+                rest, trips = best(seat + 1, left - batch)
+                total = round(tours[batch] + rest, 9)
+                found = min(found, (total, trips + 1))
+        return found
+
+    distance, trips = best(0, everything)
+    return None if math.isinf(distance) else (distance, trips)
+
+
+def paper_shaped(items: int, robots: int, seed: int) -> Instance:
+    """Return a random instance in the shape of the paper's: a floor, whole kilograms.
+
+    Capacity is tight: max(heaviest item, ceil(1.1 W / K)).
+    """
+    rng = random.Random(f"{items}/{robots}/{seed}")
+    weights = [rng.randint(1, 10) for _ in range(items)]
+    capacity = max(*weights, math.ceil(Fraction(11 * sum(weights), 10 * robots)))
+    return Instance(
+        warehouse=OpenFloor(depot_x=50.0, depot_y=50.0),
+        items=tuple(
+            Item(f"i{n + 1}", Fraction(w), Point(rng.uniform(0, 100), rng.uniform(0, 100)))
+            for n, w in enumerate(weights)
+        ),
+        orders=tuple(Order(f"i{n + 1}", (f"i{n + 1}",)) for n in range(items)),
+        robots=tuple(Robot(f"R{k + 1}", Fraction(capacity)) for k in range(robots)),
+        name=f"paper-shaped-{items}-{robots}-{seed}",
+    )
