@@ -13,7 +13,7 @@ import math
 from qrobot.backends import Planner, Stop, available, get
 from qrobot.backends.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.exact.partition import MAX_ELEMENTS
-from qrobot.planning.bounds import quick_bound, route_bound
+from qrobot.planning.bounds import forest_bound, quick_bound, walk_bound
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 
@@ -79,7 +79,8 @@ def bound_from_below(run: Run) -> None:
     with run.timed("bound"):
         run.raise_bound(quick_bound(run.instance))
         part = _part(run.stop, BOUND_SHARE, BOUND_SECONDS)
-        run.raise_bound(route_bound(run.instance, run.cost, part))
+        run.raise_bound(forest_bound(run.instance, run.cost, part))
+        run.raise_bound(walk_bound(run.instance, run.cost, part))
 
 
 def _has_cp_sat() -> bool:

@@ -17,7 +17,7 @@ from strategies import instances
 
 import qrobot
 from qrobot.backends import Stop
-from qrobot.planning.bounds import quick_bound, route_bound
+from qrobot.planning.bounds import forest_bound, quick_bound, walk_bound
 from qrobot.planning.run import Progress
 from qrobot.problem import DistanceTable, Instance, Item, Node, OpenFloor, Order, Point, Robot
 
@@ -66,7 +66,8 @@ def test_bounds_hold(instance: Instance) -> None:
     expected = least_distance(instance)
     assert expected is not None
     assert quick_bound(instance) <= expected[0] + 1e-6
-    assert route_bound(instance, expected[0], lambda: False, 40) <= expected[0] + 1e-6
+    assert walk_bound(instance, expected[0], lambda: False, 40) <= expected[0] + 1e-6
+    assert forest_bound(instance, expected[0], lambda: False, 60) <= expected[0] + 1e-6
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -75,9 +76,11 @@ def test_bounds_hold_with_tight_capacity_and_are_useful(seed: int) -> None:
     expected = least_distance(instance)
     if expected is None:
         pytest.skip("this draw cannot be packed")
-    bound = route_bound(instance, expected[0], lambda: False)
-    assert quick_bound(instance) <= bound <= expected[0] + 1e-6
-    assert bound > 0.75 * expected[0]
+    walks = walk_bound(instance, expected[0], lambda: False)
+    forests = forest_bound(instance, expected[0], lambda: False)
+    for bound in (walks, forests):
+        assert quick_bound(instance) <= bound * (1 + 1e-6) <= expected[0] * (1 + 2e-6)
+    assert max(walks, forests) > 0.75 * expected[0]
 
 
 @pytest.mark.parametrize(

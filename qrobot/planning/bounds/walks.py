@@ -1,4 +1,4 @@
-"""Lower bounds that hold for any plan, for instances too large to prove exactly."""
+"""A bound that is strong for tight capacity: every trip is relaxed to a loaded walk."""
 
 from __future__ import annotations
 
@@ -7,42 +7,18 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.planning.bounds.quick import fewest_trips, is_metric, most_trips, quick_bound
 from qrobot.problem import Instance
 
-__all__ = ["quick_bound", "route_bound"]
+__all__ = ["walk_bound"]
 
 Floats = npt.NDArray[np.float64]
 
-MAX_LOAD_STEPS = 400
+MAX_LOAD_STEPS = 250
 """Loads are rounded down to at most this many steps; fewer steps, weaker bound."""
 
 
-def fewest_trips(instance: Instance) -> int:
-    """Return a number of trips that no plan can stay below: the largest robots, filled."""
-    total = int(instance.weights.sum())
-    if not instance.orders:
-        return 0
-    reach = np.cumsum(instance.vehicle_capacities)
-    return min(int(np.searchsorted(reach, total)) + 1, len(reach))
-
-
-def quick_bound(instance: Instance) -> float:
-    """Return a bound that costs nothing: every stop is entered, every trip comes home.
-
-    Valid for any matrix. Each place must be entered from somewhere else and each trip must
-    return to the depot; the farthest item must be fetched.
-    """
-    if not instance.items:
-        return 0.0
-    d = instance.stop_distances
-    apart = d + np.where(np.eye(len(d), dtype=bool), np.inf, 0.0)
-    entered = float(apart[:, 1:].min(axis=0).sum()) + fewest_trips(instance) * float(d[1:, 0].min())
-    if _metric(instance):
-        return max(entered, float((d[0] + d[:, 0]).max()))
-    return entered
-
-
-def route_bound(
+def walk_bound(
     instance: Instance, upper: float, stop: Callable[[], bool], rounds: int = 150
 ) -> float:
     """Return a Lagrangian bound from loaded walks without two-step cycles.
@@ -78,13 +54,13 @@ def route_bound(
     step = -(-capacity // MAX_LOAD_STEPS)
     loads = weights // step
     kept = loads > 0
-    if not kept.all() and not _metric(instance):
+    if not kept.all() and not is_metric(instance):
         return best
     rows = np.concatenate([[0], np.flatnonzero(kept) + 1])
     d, loads = d[np.ix_(rows, rows)], loads[kept]
     if len(loads) < 2 or len(loads) > 250:
         return best
-    fewest, most = fewest_trips(instance), _most_trips(instance, d)
+    fewest, most = fewest_trips(instance), most_trips(instance)
     # Start where every walk out to its farthest stop pays for itself.
     prices = (d[0, 1:] + d[1:, 0]) * loads / max(capacity // step, 1)
     width, stale = 1.0, 0
@@ -105,20 +81,6 @@ def route_bound(
         prices = prices + width * max(upper - bound, 1e-3 * upper) / length * slope
     # Prices were summed in floating point; a relative 1e-9 covers every rounding.
     return best * (1 - 1e-9)
-
-
-def _most_trips(instance: Instance, d: Floats) -> int:
-    """Return a number of trips that some shortest plan does not exceed.
-
-    Two trips that fit on one robot together can be joined, unless the way between two
-    stops is longer than over the depot; so at most one trip is half empty or less.
-    """
-    capacities = instance.vehicle_capacities
-    joinable = bool((d[1:, 0, None] + d[None, 0, 1:] >= d[1:, 1:] - 1e-9).all())
-    if not joinable or instance.whole_orders or capacities[0] != capacities[-1]:
-        return len(capacities)
-    total = int(instance.weights.sum())
-    return min(len(capacities), max(1, 2 * total // int(capacities[0]) + 1))
 
 
 def _cheapest_walk(
@@ -164,14 +126,3 @@ def _cheapest_walk(
         use_second = came >= 0 and int(first_from[load, came]) == at
         at = came
     return total, visits
-
-
-def _metric(instance: Instance) -> bool:
-    """Whether leaving a stop out never makes a way longer."""
-    d = instance.stop_distances
-    if len(d) > 300:
-        return False
-    over = min(
-        (float((d[:, k, None] + d[None, k, :] - d).min()) for k in range(len(d))), default=0.0
-    )
-    return over >= -1e-9 * float(d.max(initial=1.0))
