@@ -16,7 +16,7 @@ stamp = $(VENV)/.installed
 project = pyproject.toml locks/build.txt
 # No questions and no flood; what is fetched is held against the hashes of locks/.
 pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
-source = qrobot tests benchmarks healthchecks locks
+source = qrobot tests benchmarks examples healthchecks locks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:

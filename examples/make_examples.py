@@ -39,7 +39,7 @@ WEIGHTS = ["0.25", "0.4", "0.75", "1.2", "1.5", "2.5", "3.2", "4.8", "6", "7.5",
 
 def small_warehouse(seed: int = 2021) -> Instance:
     """Two blocks of ten aisles, 24 orders of one to four items, three robots 85 % full."""
-    draw = random.Random(seed)  # noqa: S311
+    draw = random.Random(seed)
     warehouse = AisleWarehouse(
         aisles=10,
         blocks=2,
@@ -84,7 +84,7 @@ def small_warehouse(seed: int = 2021) -> Instance:
 def paper(weights: Sequence[int], robots: int, capacity: int, seed: int = 7) -> Instance:
     """Return the paper's weights (figures 4 and 7) at coordinates of our own."""
     # One sequence: the first items of both cases lie alike.
-    draw = random.Random(seed)  # noqa: S311
+    draw = random.Random(seed)
     spots = draw.sample([Point(x / 2, y / 2) for x in range(2, 40) for y in range(2, 28)], 7)
     items = tuple(Item(str(i + 1), Fraction(w), spots[i]) for i, w in enumerate(weights))
     why = (
@@ -107,7 +107,7 @@ def paper(weights: Sequence[int], robots: int, capacity: int, seed: int = 7) -> 
 
 def csv_orders(seed: int = 11) -> tuple[str, str]:
     """Return orders as CSV, one article in several orders, and their layout."""
-    draw = random.Random(seed)  # noqa: S311
+    draw = random.Random(seed)
     warehouse = AisleWarehouse(
         aisles=6, slots=10, aisle_pitch=3.0, slot_pitch=1.0, end_gap=1.2, depot_distance=2.0
     )
@@ -142,7 +142,7 @@ def to_layout(instance: Instance) -> str:
 
 def tiny_vrp(seed: int = 5, clients: int = 7, capacity: int = 20) -> tuple[str, str]:
     """Return a small CVRPLIB instance of our own, and its solution by trying everything."""
-    draw = random.Random(seed)  # noqa: S311
+    draw = random.Random(seed)
     xy = draw.sample([(x, y) for x in range(60) for y in range(60)], clients + 1)
     demand = [0, *(draw.randint(2, 8) for _ in range(clients))]
     d = [[math.floor(math.dist(a, b) + 0.5) for b in xy] for a in xy]

@@ -43,7 +43,7 @@ for file in "$work"/*.txt; do
     sed '/#  *-c .*everything\.txt/d' "$file"
   } >"$file.new"
   mv "$file.new" "$file"
-  if grep -n '://' "$file"; then
+  if grep -n ':[/]/' "$file"; then
     echo "an address in $file: nothing was written" >&2
     exit 1
   fi

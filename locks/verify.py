@@ -87,7 +87,7 @@ def wanted(project: dict, extras: list[str], env: dict[str, str]) -> Iterator[Re
 def check_text(path: Path) -> Iterator[str]:
     lines = path.read_text().splitlines()
     for number, line in enumerate(lines, 1):
-        if "://" in line:
+        if re.search(":/{2}", line):
             yield f"{path.name}:{number}: an address"
         elif (match := PIN.match(line)) and "--hash=" not in "".join(lines[number : number + 1]):
             yield f"{path.name}:{number}: {match['requirement']} has no hash"

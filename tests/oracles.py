@@ -13,7 +13,7 @@ from itertools import combinations
 
 from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
 
-__all__ = ["least_distance", "paper_shaped"]
+__all__ = ["least_distance", "paper_shaped", "subset_programme"]
 
 
 def least_distance(instance: Instance) -> tuple[float, int] | None:
@@ -86,3 +86,55 @@ def paper_shaped(items: int, robots: int, seed: int) -> Instance:
         robots=tuple(Robot(f"R{k + 1}", Fraction(capacity)) for k in range(robots)),
         name=f"paper-shaped-{items}-{robots}-{seed}",
     )
+
+
+def subset_programme(instance: Instance) -> float | None:
+    """Return the least distance by a subset dynamic programme, for up to 12 single items.
+
+    Faster than `least_distance` (bit masks instead of sets), for instances in which every
+    item is its own order and robots are alike. None when no plan exists.
+    """
+    d = instance.distances.tolist()
+    n = len(instance.items)
+    weight = [item.weight for item in instance.items]
+    room = instance.robots[0].capacity
+    load = [Fraction(0)] * (1 << n)
+    for mask in range(1, 1 << n):
+        low = mask & -mask
+        load[mask] = load[mask ^ low] + weight[low.bit_length() - 1]
+    path = [[math.inf] * n for _ in range(1 << n)]
+    tour = [math.inf] * (1 << n)
+    tour[0] = 0.0
+    for mask in range(1, 1 << n):
+        if load[mask] > room:
+            continue
+        for j in range(n):
+            rest = mask ^ (1 << j)
+            if not mask >> j & 1:
+                continue
+            if not rest:
+                path[mask][j] = d[0][j + 1]
+            else:
+                before = path[rest]
+                path[mask][j] = min(
+                    before[i] + d[i + 1][j + 1] for i in range(n) if rest >> i & 1
+                )
+        tour[mask] = min(path[mask][j] + d[j + 1][0] for j in range(n) if mask >> j & 1)
+    best = tour
+    for _ in range(len(instance.robots) - 1):
+        better = [math.inf] * (1 << n)
+        better[0] = 0.0
+        for mask in range(1, 1 << n):
+            low = mask & -mask
+            others = mask ^ low
+            part, least = others, best[mask]
+            while True:
+                here = tour[part | low]
+                if here < least:
+                    least = min(least, here + best[others ^ part])
+                if not part:
+                    break
+                part = (part - 1) & others
+            better[mask] = least
+        best = better
+    return None if math.isinf(best[-1]) else best[-1]

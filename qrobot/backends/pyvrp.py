@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,9 +20,9 @@ __all__ = ["PyVRPPlanner"]
 RESOLUTION = 1e6
 """Units in the largest distance when distances are not whole."""
 
-OVERLOAD = 1.0
-"""Largest price of overloading a trip by a mean weight, in largest distances. PyVRP's own
-limit is a fixed number, which is far too low or too high for other units."""
+OVERLOAD, RANGE = 0.5, 100.0
+"""First price of overloading a trip by a mean weight, in largest distances, and how many
+times that it may become."""
 
 
 class PyVRPPlanner:
@@ -55,12 +55,8 @@ class PyVRPPlanner:
             When PyVRP is not installed.
         """
         try:
-            import pyvrp
             from pyvrp.exceptions import PenaltyBoundWarning
-            from pyvrp.IteratedLocalSearch import (
-                IteratedLocalSearchCallbacks,
-                IteratedLocalSearchParams,
-            )
+            from pyvrp.IteratedLocalSearch import IteratedLocalSearchCallbacks
         except ImportError:
             raise MissingExtraError("backend pyvrp", "planners") from None
         if instance.whole_orders:
@@ -97,18 +93,8 @@ class PyVRPPlanner:
         with warnings.catch_warnings():
             # That feasible plans are rare is no news for tight loads.
             warnings.simplefilter("ignore", PenaltyBoundWarning)
-            result = pyvrp.solve(
-                data,
-                ended,
-                seed=seed % 2**31,
-                collect_stats=False,
-                display=False,
-                params=pyvrp.SolveParams(
-                    ils=IteratedLocalSearchParams(callbacks=Callbacks()),
-                    penalty=pyvrp.PenaltyParams(max_penalty=_largest_penalty(instance, data)),
-                ),
-                initial_solution=first,
-            )
+            search = _iterated_search(instance, data, seed, first, Callbacks())
+            result = search.run(ended, collect_stats=False, display=False)
         note(result.best)
         return Search(routes=found[-1] if found else None, work=result.num_iterations)
 
@@ -138,10 +124,43 @@ def _problem_data(instance: Instance) -> pyvrp.ProblemData:
     )
 
 
-def _largest_penalty(instance: Instance, data: pyvrp.ProblemData) -> float:
-    """Return the most that one unit of overload may cost, in PyVRP's cost."""
+def _iterated_search(
+    instance: Instance,
+    data: pyvrp.ProblemData,
+    seed: int,
+    first: pyvrp.Solution | None,
+    callbacks: Any,
+) -> Any:
+    """Put PyVRP's own parts together, with a price of overload that suits the units.
+
+    `pyvrp.solve` starts in the middle of a fixed range of prices, which is orders of
+    magnitude off for most units, and takes tens of thousands of rounds to come down.
+    """
+    import pyvrp
+    import pyvrp.search as parts
+    from pyvrp.IteratedLocalSearch import IteratedLocalSearch, IteratedLocalSearchParams
+
+    rng = pyvrp.RandomNumberGenerator(seed=seed % 2**31)
+    local = parts.LocalSearch(
+        data,
+        rng,
+        parts.compute_neighbours(data),
+        parts.PerturbationManager(parts.PerturbationParams()),
+    )
+    for operator in parts.OPERATORS:
+        if operator.supports(data):
+            local.add_operator(operator(data))
     mean = max(float(instance.stop_weights.mean()), 1.0)
-    return max(1.0, OVERLOAD * float(data.distance_matrix(0).max()) / mean)
+    price = max(1.0, OVERLOAD * float(data.distance_matrix(0).max()) / mean)
+    prices = pyvrp.PenaltyManager(
+        ([price], price, price), pyvrp.PenaltyParams(max_penalty=price * RANGE)
+    )
+    if first is None:
+        random = pyvrp.Solution.make_random(data, rng)
+        first = local(random, prices.max_cost_evaluator(), exhaustive=True)
+    return IteratedLocalSearch(
+        data, prices, local, first, IteratedLocalSearchParams(callbacks=callbacks)
+    )
 
 
 def _routes(instance: Instance, solution: pyvrp.Solution) -> Routes:

@@ -373,19 +373,21 @@ class Instance:
         if not isinstance(self.warehouse, DistanceTable):
             return ()  # metric by construction
         found = []
-        d = self.distances
+        d = self.place_distances
+        first = np.unique(self.place_of_node, return_index=True)[1].tolist()
+        names = [self.node_name(node) for node in first]
         if not np.allclose(d, d.T, rtol=0, atol=1e-9):
             i, j = divmod(int(np.argmax(np.abs(d - d.T))), len(d))
             found.append(
-                f"the distances are asymmetric: {self.node_name(i)} to "
-                f"{self.node_name(j)} is {d[i, j]:g}, back {d[j, i]:g}"
+                f"the distances are asymmetric: {names[i]} to {names[j]} is {d[i, j]:g}, "
+                f"back {d[j, i]:g}"
             )
         if (gap := _triangle_gap(d)) is not None:
             i, k, j = gap
             found.append(
                 "the distances violate the triangle inequality: "
-                f"{self.node_name(i)} to {self.node_name(j)} is {d[i, j]:g}, but "
-                f"{d[i, k] + d[k, j]:g} over {self.node_name(k)}"
+                f"{names[i]} to {names[j]} is {d[i, j]:g}, but "
+                f"{d[i, k] + d[k, j]:g} over {names[k]}"
             )
         return tuple(found)
 

@@ -123,7 +123,9 @@ class Canvas:
 
     def _legend(self, extra: Sequence[tuple[str, str, str]], per_column: int) -> None:
         w, h = self.sheet
-        panel = self._axes(w - PANEL * self._columns - 0.1, EDGE, PANEL * self._columns, h - TOP - EDGE)
+        panel = self._axes(
+            w - PANEL * self._columns - 0.1, EDGE, PANEL * self._columns, h - TOP - EDGE
+        )
         panel.set_axis_off()
         panel.set_xlim(0, PANEL * self._columns)
         panel.set_ylim(h - TOP - EDGE, 0)
@@ -152,9 +154,13 @@ class Canvas:
     def _robot_row(self, panel: Any, x: float, y: float, journey: Journey) -> None:
         trip, colour = journey.trip, journey.colour
         dashes = DASHES[journey.turn % len(DASHES)]
-        panel.add_line(Line2D([x, x + 0.34], [y, y], color=colour.edge, lw=5.2, solid_capstyle="round"))
         panel.add_line(
-            Line2D([x, x + 0.34], [y, y], color=colour.fill, lw=4, ls=dashes, solid_capstyle="round")
+            Line2D([x, x + 0.34], [y, y], color=colour.edge, lw=5.2, solid_capstyle="round")
+        )
+        panel.add_line(
+            Line2D(
+                [x, x + 0.34], [y, y], color=colour.fill, lw=4, ls=dashes, solid_capstyle="round"
+            )
         )
         stops = f"{len(trip.stops)} stop" + ("s" if len(trip.stops) != 1 else "")
         panel.text(x + 0.45, y - 0.085, journey.name, size=10, weight="bold", va="center")

@@ -68,7 +68,9 @@ def draw_aisles(scene: Scene) -> Any:
         canvas.halts(journey, line.stops, size=look.line * 1.9)
     _picks(canvas, scene, house, sizes, lines)
     below = y <= depth / 2
-    canvas.depot((x, y), label=(0, -12 if below else 12), align=("center", "top" if below else "bottom"))
+    canvas.depot(
+        (x, y), label=(0, -12 if below else 12), align=("center", "top" if below else "bottom")
+    )
     _names(canvas, house, sizes, above=below)
     return canvas.figure
 
@@ -81,7 +83,9 @@ def _look(canvas: Canvas, scene: Scene, sizes: _Sizes) -> Look:
     return Look(line=line, halo=0.9 * line, arrow=max(3.2, 3.1 * line), every=110)
 
 
-def _slot_box(house: AisleWarehouse, sizes: _Sizes, slot: Slot) -> tuple[float, float, float, float]:
+def _slot_box(
+    house: AisleWarehouse, sizes: _Sizes, slot: Slot
+) -> tuple[float, float, float, float]:
     """Return left, bottom, width and height of a slot."""
     x, y = house.position(slot)
     deep = house.aisle_pitch / 2 - sizes.aisle
@@ -129,15 +133,31 @@ def _closed(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
     boxes = []
     for aisle, block in sorted(house.closed_aisles):
         x, y = aisle * house.aisle_pitch, block * house.block_length
-        boxes.append((x - sizes.aisle, y + sizes.cross, 2 * sizes.aisle, house.block_length - 2 * sizes.cross))
+        boxes.append(
+            (
+                x - sizes.aisle,
+                y + sizes.cross,
+                2 * sizes.aisle,
+                house.block_length - 2 * sizes.cross,
+            )
+        )
     for cross, aisle in sorted(house.closed_crossings):
         x, y = aisle * house.aisle_pitch, cross * house.block_length
-        boxes.append((x + sizes.aisle, y - sizes.cross, house.aisle_pitch - 2 * sizes.aisle, 2 * sizes.cross))
+        boxes.append(
+            (x + sizes.aisle, y - sizes.cross, house.aisle_pitch - 2 * sizes.aisle, 2 * sizes.cross)
+        )
     for n, (left, bottom, width, height) in enumerate(boxes, 1):
         canvas.axes.add_patch(
             Rectangle(
-                (left, bottom), width, height, fc=CLOSED, ec=HATCH, lw=0.6, hatch="////",
-                zorder=2, gid=f"closed-{n}",
+                (left, bottom),
+                width,
+                height,
+                fc=CLOSED,
+                ec=HATCH,
+                lw=0.6,
+                hatch="////",
+                zorder=2,
+                gid=f"closed-{n}",
             )
         )
 
@@ -164,7 +184,9 @@ def _picks(
             arm = lines[j].stops[stops[0]]
             side = left + width if slot.side == "left" else left
             arms[j].append([arm, (side, arm[1])])
-    waiting = [i.place for i in scene.instance.items if isinstance(i.place, Slot) and i.place not in at]
+    waiting = [
+        i.place for i in scene.instance.items if isinstance(i.place, Slot) and i.place not in at
+    ]
     if waiting:
         boxes[-1] = [_corners(*_slot_box(house, sizes, slot)) for slot in waiting]
     for j, polygons in boxes.items():
@@ -172,22 +194,26 @@ def _picks(
         name = "not-picked" if j < 0 else f"trip-{scene.journeys[j].number}-picks"
         canvas.axes.add_collection(
             PolyCollection(
-                polygons, facecolors=colour.fill, edgecolors=colour.edge,
-                linewidths=min(0.8, canvas.points(sizes.slot) / 12), zorder=3, gid=name,
+                polygons,
+                facecolors=colour.fill,
+                edgecolors=colour.edge,
+                linewidths=min(0.8, canvas.points(sizes.slot) / 12),
+                zorder=3,
+                gid=name,
             )
         )
     for j, segments in arms.items():
         canvas.axes.add_collection(
             LineCollection(
-                segments, colors=scene.journeys[j].colour.edge,
-                linewidths=min(0.9, canvas.points(sizes.slot) / 12), zorder=3.5,
+                segments,
+                colors=scene.journeys[j].colour.edge,
+                linewidths=min(0.9, canvas.points(sizes.slot) / 12),
+                zorder=3.5,
             )
         )
 
 
-def _number(
-    canvas: Canvas, at: XY, box: XY, stops: list[int], scene: Scene, journey: int
-) -> None:
+def _number(canvas: Canvas, at: XY, box: XY, stops: list[int], scene: Scene, journey: int) -> None:
     first, last = stops[0] + 1, stops[-1] + 1
     if first == last:
         text = f"{first}"
@@ -198,8 +224,14 @@ def _number(
     size = min(8.5, canvas.points(box[1]) * 0.78, canvas.points(box[0]) * 0.92 / (0.64 * len(text)))
     if size >= 3.2:
         canvas.axes.text(
-            *at, text, size=size, color=scene.journeys[journey].colour.text, weight="bold",
-            ha="center", va="center_baseline", zorder=7,
+            *at,
+            text,
+            size=size,
+            color=scene.journeys[journey].colour.text,
+            weight="bold",
+            ha="center",
+            va="center_baseline",
+            zorder=7,
         )
 
 

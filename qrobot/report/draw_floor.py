@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from collections.abc import Sequence
 from typing import Any
 
 from qrobot.problem import DistanceTable, OpenFloor
 from qrobot.report.canvas import Canvas, Look
-from qrobot.report.lanes import XY, Line, drawn_in_lanes
 from qrobot.report.scene import Scene
 
 __all__ = ["draw_floor"]

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings
-from oracles import least_distance, paper_shaped
+from oracles import least_distance, paper_shaped, subset_programme
 from strategies import instances
 
 import qrobot
@@ -259,3 +259,19 @@ def test_a_plan_that_breaks_the_rules_is_never_returned(monkeypatch: pytest.Monk
     with pytest.raises(qrobot.InfeasibleError, match="no plan was found") as caught:
         qrobot.solve(paper_shaped(3, 1, 0), backend="exact")
     assert not caught.value.proven
+
+
+@pytest.mark.parametrize("items", range(2, 13))
+@pytest.mark.parametrize("robots", range(1, 5))
+def test_paper_shaped_instances_equal_the_subset_programme(items: int, robots: int) -> None:
+    """The benchmark `paper_shaped.py` does the same on 200 of them, with times."""
+    instance = paper_shaped(items, robots, seed=100)
+    expected = subset_programme(instance)
+    if expected is None:
+        with pytest.raises(qrobot.InfeasibleError) as caught:
+            qrobot.solve(instance)
+        assert caught.value.proven
+        return
+    result = qrobot.solve(instance)
+    assert result.is_optimal
+    assert result.cost == pytest.approx(expected, rel=1e-9)

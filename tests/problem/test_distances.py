@@ -184,7 +184,7 @@ def many(count: int, w: AisleWarehouse) -> Instance:
         Item(f"i{k}", 1, Slot(k * 7 % w.aisles, k * 11 % w.slots, k % w.blocks))  # type: ignore
         for k in range(count)
     )
-    orders = tuple(Order(i.id, (i.id,)) for i in items)
+    orders = (Order("all", tuple(i.id for i in items)),)
     return Instance(w, items, orders, (Robot("R1", count),))  # type: ignore[arg-type]
 
 
@@ -224,5 +224,5 @@ def test_a_missing_way_between_items_is_named() -> None:
     table = DistanceTable(((0, 1, 1), (1, 0, inf), (1, 1, 0)))
     items = (Item("a", 1, Node(1)), Item("b", 1, Node(2)))  # type: ignore[arg-type]
     one = Instance(table, items, (Order("o", ("a", "b")),), (Robot("R1", 9),))  # type: ignore
-    with pytest.raises(InputError, match="some ways between items a, b are missing; .*fill in"):
+    with pytest.raises(InputError, match=r"some ways between items a, b are missing; .*fill in"):
         _ = one.distances

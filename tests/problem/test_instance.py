@@ -87,7 +87,7 @@ A, B = Point(1, 1), Point(2, 2)
         (lambda: make(*[A] * (MAX_ITEMS + 1)), "items: 20001 items are more than the 20000"),
         (
             lambda: make(*[Point(n, 0) for n in range(MAX_STOPS + 1)]),
-            "items: 2501 different places are more than the 2500 that one plan may have",
+            "orders: 2501 stops (places of each order) are more than the 2500 that one plan",
         ),
         (lambda: AisleWarehouse(aisles=0, slots=1), "aisles: 0 is not 1 to 4000; correct"),
         (lambda: AisleWarehouse(aisles=1, slots=0), "slots: 0 is not 1 to 10000; correct"),

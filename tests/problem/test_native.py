@@ -145,15 +145,19 @@ def test_fleets_in_both_notations(tmp_path: Path, robots: object) -> None:
         ("schema", ..., "schema: is missing; this version reads 'qrobot.instance/1'"),
         ("schema", "qrobot.plan/1", "schema: this is a plan (qrobot.plan/1), not an instance"),
         ("warehouse", ..., "warehouse: is missing; add it"),
-        ("warehouse", [], "warehouse: a list is not known; give 'aisles', 'floor' or 'matrix'"),
+        (
+            "warehouse",
+            [],
+            "warehouse: an empty list is not known; give 'aisles', 'floor' or 'matrix'",
+        ),
         ("warehouse.kind", "hall", "warehouse.kind: \"hall\" is not known; give 'aisles'"),
         ("warehouse.kind", ..., "warehouse.kind: null is not known; give"),
         ("warehouse.aisles", ..., "warehouse.aisles: is missing; add it"),
         ("warehouse.aisles", 0, "warehouse.aisles: 0 is not right; needed: greater than or equal"),
         ("warehouse.aisles", 10**9, "warehouse.aisles: 1000000000 is not 1 to 4000"),
-        ("warehouse.aisles", 2.5, "warehouse.aisles: 2.5 is not right; needed: whole number"),
-        ("warehouse.aisles", True, "warehouse.aisles: true is not right; needed: whole number"),
-        ("warehouse.aisles", "3", 'warehouse.aisles: "3" is not right; needed: whole number'),
+        ("warehouse.aisles", 2.5, "warehouse.aisles: 2.5 is not right; needed: a whole number"),
+        ("warehouse.aisles", True, "warehouse.aisles: true is not right; needed: a whole number"),
+        ("warehouse.aisles", "3", 'warehouse.aisles: "3" is not right; needed: a whole number'),
         ("warehouse.aisle_pitch", "3", 'warehouse.aisle_pitch: "3" is not a number; give'),
         ("warehouse.aisle_pitch", True, "warehouse.aisle_pitch: true is not a number"),
         ("warehouse.aisle_pitch", 0, "warehouse.aisle_pitch: 0.0 is not right; needed: greater"),
@@ -163,7 +167,7 @@ def test_fleets_in_both_notations(tmp_path: Path, robots: object) -> None:
         ("warehouse.depot.distance", -1, "warehouse.depot.distance: -1.0 is not right; needed: gr"),
         ("warehouse.closed_aisles.0.block", 2, "warehouse.closed_aisles[].block: 2 is outside"),
         ("robots", 3, "robots: 3 is not a fleet; give count and capacity, or a list of robots"),
-        ("robots", [], "robots: a list is not right; needed: list should have at least 1 item"),
+        ("robots", [], "robots: an empty list is not right; needed: more entries"),
         ("robots.count", 0, "robots.count: 0 is not right; needed: greater than or equal to 1"),
         ("robots.count", 10**6, "robots.count: 1000000 robots are more than 20000; give fewer"),
         ("robots.capacity", 0, "robots.capacity: capacity 0 of robot 'R1' is not positive; use"),
@@ -171,10 +175,10 @@ def test_fleets_in_both_notations(tmp_path: Path, robots: object) -> None:
         ("robots.capactiy", 3, "robots.capactiy: is not a known field; did you mean 'capacity'?"),
         ("robots.speed", 0, "robots.speed: 0.0 is not right; needed: greater than 0"),
         ("items", ..., "items: is missing (a document without items is a layout); add the items"),
-        ("items", {}, "items: an object is not right; needed: list"),
-        ("items.0", 7, "items[0]: 7 is not right; needed: dictionary or instance of ItemModel"),
+        ("items", {}, "items: an object is not right; needed: a list"),
+        ("items.0", 7, "items[0]: 7 is not right; needed: an object"),
         ("items.0.id", 7, "items[0].id: 7 is not right; needed: text"),
-        ("items.0.id", "", 'items[0].id: "" is not right; needed: string should have at least 1'),
+        ("items.0.id", "", 'items[0].id: "" is not right; needed: at least 1 letter'),
         ("items.0.id", "a\x1b[31m", "items[0].id: "),
         ("items.0.id", "x" * 201, "items[0].id: "),
         ("items.0.id", "\ud800", "items[0].id: "),
@@ -213,7 +217,7 @@ def test_fleets_in_both_notations(tmp_path: Path, robots: object) -> None:
         (
             "orders.0.items",
             [],
-            "orders[0].items: a list is not right; needed: list should have at ",
+            "orders[0].items: an empty list is not right; needed: more entries",
         ),
         ("orders.0.items.1", "c", "orders[0].items[1]: order 'o' names the unknown item 'c'; add"),
         ("orders.0.items.1", "a", "orders[0].items[1]: item 'a' is in orders 'o' and 'o'; keep it"),
@@ -241,7 +245,7 @@ def test_every_fault_is_one_sentence(
             '{\n "schema": "qrobot.instance/1",\n "items": [1 2]\n}',
             "broken JSON in line 3, column 14",
         ),
-        ("[]", "is a list, not an object; see schema 'qrobot.instance/1'"),
+        ("[]", "is an empty list, not an object; see schema 'qrobot.instance/1'"),
         ("3", "is 3, not an object"),
         ("null", "is null, not an object"),
         ("[" * 100_000, "broken JSON (nested too deeply); flatten it"),
@@ -366,7 +370,6 @@ json_values = st.recursive(
 @given(json_values)
 def test_the_writer_writes_json(value: object) -> None:
     assert json.loads(dumps(value)) == value
-    assert loads(dumps(value)) == value
 
 
 @given(st.decimals(-1000, 1000, places=20))
@@ -410,21 +413,27 @@ def test_no_damage_gets_a_traceback(at: int, junk: bytes, cut: int) -> None:
 
 def expect_input_error_at_most(path: Path, data: bytes) -> None:
     path.write_bytes(data)
+    said = f"{path}: ; "
     try:
         qrobot.read(path)
     except InputError as error:
-        assert str(error).startswith(("cannot read", str(path)))
-        assert "\n" not in str(error)
-        assert "; " in str(error)
+        said = str(error)
+    assert said.startswith(("cannot read", str(path)))
+    assert "; " in said
+    assert "\n" not in said
 
 
-def test_ten_thousand_items_are_read(tmp_path: Path) -> None:
+def test_ten_thousand_items_are_read_or_refused(tmp_path: Path) -> None:
     document = copy.deepcopy(GOOD)
     document["items"] = [
-        {"id": f"i{n}", "weight": 0.25, "at": {"aisle": n % 3, "slot": n % 4}}
+        {"id": f"i{n}", "weight": 0.25, "at": {"aisle": n % 2, "slot": n % 4}}
         for n in range(10_000)
     ]
-    del document["orders"]
+    document["orders"] = [
+        {"id": f"o{n}", "items": [f"i{10 * n + k}" for k in range(10)]} for n in range(500)
+    ] + [{"id": "rest", "items": [f"i{n}" for n in range(5_000, 10_000)]}]
     one = read(tmp_path, document)
     assert one.size == 10_000
     assert "distances" not in vars(one)  # 800 MB that nobody asked for yet
+    del document["orders"]
+    assert sentence(tmp_path, document).startswith("orders: 10000 stops (places of each order) are")

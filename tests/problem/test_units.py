@@ -43,9 +43,22 @@ def test_a_number_is_what_its_notation_says(value: float, fraction: Fraction) ->
 
 @pytest.mark.parametrize(
     "value",
-    ["nan", "inf", float("nan"), float("-inf"), Decimal("sNaN"), "", "1/3", "1,5", "abc", True]
-    + ["1e400", Decimal("1e400"), "-1e999999999", "1e999999999999999999999"]
-    + ["1e-999999999", "0." + "3" * 61, [], None, pytest.param(10**5000, id="5000 digits")],
+    [
+        *(
+            "nan",
+            "inf",
+            float("nan"),
+            float("-inf"),
+            Decimal("sNaN"),
+            "",
+            "1/3",
+            "1,5",
+            "abc",
+            True,
+        ),
+        *("1e400", Decimal("1e400"), "-1e999999999", "1e999999999999999999999"),
+        *("1e-999999999", "0." + "3" * 61, [], None, pytest.param(10**5000, id="5000 digits")),
+    ],
 )
 def test_what_is_no_weight(value: object) -> None:
     with pytest.raises(InputError, match=r"^w: .*; ") as caught:

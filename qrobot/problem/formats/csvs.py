@@ -131,7 +131,9 @@ def read_csv(path: StrPath, layout: StrPath | None = None) -> Instance:
 def _lines(text: str) -> Iterator[_Line]:
     head = text.lstrip().splitlines()[0]
     delimiter = max(",;\t", key=head.count)
-    rows = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+    rows = csv.reader(
+        io.StringIO(text, newline=""), delimiter=delimiter, strict=True, skipinitialspace=True
+    )
     columns: list[str] = []
     try:
         for row in rows:

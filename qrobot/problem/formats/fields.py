@@ -44,7 +44,7 @@ def shown(value: object) -> str:
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
     if isinstance(value, list | dict):
-        return "a list" if isinstance(value, list) else "an object"
+        return "an object" if isinstance(value, dict) else "a list" if value else "an empty list"
     text = quoted(value) if isinstance(value, str) else str(value)
     return text if len(text) <= 60 else f"{text[:56]}..."
 
@@ -65,8 +65,9 @@ def _number(value: Any) -> float:
 
 def _whole(value: Any) -> Any:
     """Take 3.0 for 3, as JSON Schema does."""
-    if isinstance(value, float) and value.is_integer():
-        return int(value)
+    if isinstance(value, float | Decimal):
+        near = float(value)
+        return int(near) if near == value and near.is_integer() and abs(near) < 1e15 else value
     return value
 
 
@@ -111,7 +112,8 @@ Index = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
 Count = Annotated[int, Field(ge=1), BeforeValidator(_whole)]
 # Names end up in tables on terminals: no control characters, no line ends.
 Name = Annotated[
-    str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+$")
+    str,
+    Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+$"),
 ]
 Weight = Annotated[
     Fraction,

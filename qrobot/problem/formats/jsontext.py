@@ -77,11 +77,9 @@ def dumps(data: Any) -> str:
 
 
 def _text(data: Any, indent: int) -> str:
-    flat = _flat(data)
-    nested = isinstance(data, dict | list) and any(
-        isinstance(v, dict | list) for v in (data.values() if isinstance(data, dict) else data)
-    )
-    if not (nested or isinstance(data, dict)) or (indent and len(flat) + indent <= _WIDTH):
+    if not (isinstance(data, dict) or (isinstance(data, list) and _nested(data))):
+        return _flat(data)
+    if indent and _short(data) and len(flat := _flat(data)) + indent <= _WIDTH:
         return flat
     pad = " " * (indent + 2)
     if isinstance(data, dict):
@@ -89,6 +87,18 @@ def _text(data: Any, indent: int) -> str:
         return "{\n" + ",\n".join(lines) + f"\n{' ' * indent}}}"
     lines = [pad + _text(v, indent + 2) for v in data]
     return "[\n" + ",\n".join(lines) + f"\n{' ' * indent}]"
+
+
+def _nested(data: list[Any]) -> bool:
+    return any(isinstance(value, dict | list) for value in data)
+
+
+def _short(data: Any) -> bool:
+    """Whether the data may fit on a line; tells a large matrix without writing it."""
+    if not isinstance(data, dict | list):
+        return True
+    values = data.values() if isinstance(data, dict) else data
+    return len(data) <= _WIDTH // 3 and all(map(_short, values))
 
 
 def _flat(data: Any) -> str:

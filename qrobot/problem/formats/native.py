@@ -41,6 +41,21 @@ from qrobot.problem.formats.schema import (
 __all__ = ["Layout", "read_layout", "read_native"]
 
 
+_WISHES = {
+    "int_type": "a whole number",
+    "string_type": "text",
+    "string_unicode": "text",
+    "string_too_short": "at least 1 letter",
+    "string_too_long": "at most 200 letters",
+    "string_pattern_mismatch": "text without control characters",
+    "list_type": "a list",
+    "model_type": "an object",
+    "too_short": "more entries",
+    "too_long": "fewer entries",
+}
+"""What is needed, for faults that pydantic tells in words of Python."""
+
+
 @dataclass(frozen=True, slots=True)
 class Layout:
     """What a document says without items and orders."""
@@ -140,9 +155,8 @@ def _sentence(error: ValidationError) -> InputError:
     elif kind == "robots":
         problem, mend = f"{value} is not a fleet", "give count and capacity, or a list of robots"
     else:
-        wish = first["msg"].removeprefix("Input should be ").removeprefix("a valid ")
-        wish = {"string": "text", "integer": "whole number"}.get(wish, wish)
-        problem, mend = f"{value} is not right", f"needed: {wish[0].lower()}{wish[1:]}"
+        wish = _WISHES.get(kind, first["msg"].removeprefix("Input should be "))
+        problem, mend = f"{value} is not right", f"needed: {wish}"
     return InputError(problem, field=path.removeprefix("."), mend=mend)
 
 

@@ -1,0 +1,5 @@
+"""``python -m qrobot`` is the command line."""
+
+from qrobot.cli import main
+
+main()

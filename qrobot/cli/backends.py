@@ -1,0 +1,25 @@
+"""``qrobot backends``: what there is."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+__all__ = ["command"]
+
+
+@click.command("backends")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def command(as_json: bool) -> None:
+    """List the backends: what they can do and how to install them.
+
+    \b
+    Examples:
+      qrobot backends
+      qrobot backends --json
+    """
+    from qrobot.report.backends import backend_rows, backend_table
+
+    rows = backend_rows()
+    click.echo(json.dumps(rows, indent=1) if as_json else backend_table(rows))

@@ -1,0 +1,104 @@
+"""``qrobot bench``: backends against each other and against references."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from qrobot.cli.options import Robots
+
+__all__ = ["command"]
+
+
+@click.command("bench")
+@click.argument("folder", type=click.Path())
+@click.option("--backends", default="auto", show_default=True, help="Names, with commas.")
+@click.option("--deadline", "-t", type=float, default=10.0, show_default=True, help="Of each run.")
+@click.option("--max-work", type=int, help="Limit of work units of each run.")
+@click.option("--seeds", type=int, default=1, show_default=True, help="Runs of each pair.")
+@click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
+@click.option("--robots-for", multiple=True, help="Exceptions, such as 'X-*=free'. Repeatable.")
+@click.option("--match", default="*", help="Only files like this, such as 'A-*'.")
+@click.option("--limit", type=int, help="At most so many instances.")
+@click.option("--json", "json_path", type=click.Path(), help="Write the report; kept row by row.")
+@click.option("--csv", "csv_path", type=click.Path(), help="Write the rows as CSV.")
+@click.option("--markdown", "markdown_path", type=click.Path(), help="Write tables as Markdown.")
+@click.option("--plot", "plot_path", type=click.Path(), help="Draw gap against time: .svg or .png.")
+def command(
+    folder: str,
+    backends: str,
+    deadline: float,
+    max_work: int | None,
+    seeds: int,
+    robots: int | str | None,
+    robots_for: tuple[str, ...],
+    match: str,
+    limit: int | None,
+    json_path: str | None,
+    csv_path: str | None,
+    markdown_path: str | None,
+    plot_path: str | None,
+) -> None:
+    """Compare backends on a FOLDER of instances (.vrp, .json, .csv).
+
+    References come from .sol files beside the instances, an index.json, or the instances
+    themselves. Each run has a process of its own, so its peak memory is its own.
+
+    \b
+    Examples:
+      qrobot bench instances/ --backends auto,pyvrp --deadline 10 --seeds 3 --json out.json
+      qrobot bench cvrplib/ --robots-for 'X-*=free' --markdown out.md --plot out.svg
+    """
+    from qrobot.backends import get
+    from qrobot.errors import InputError
+    from qrobot.report.bench import BenchRow, find_instances, run_bench, tasks
+    from qrobot.report.bench_faces import bench_csv, bench_markdown, bench_plot
+    from qrobot.report.outputs import check_writable
+    from qrobot.report.picture import check_picture_path
+
+    if seeds < 1:
+        raise InputError(f"{seeds} seeds are too few", field="--seeds", mend="give 1 or more")
+    named = [name.strip() for name in backends.split(",") if name.strip()]
+    for name in named:
+        if name != "auto":
+            get(name)
+    for path in (json_path, csv_path, markdown_path, plot_path):
+        if path:
+            check_writable(path)
+    if plot_path:
+        check_picture_path(plot_path)
+    todo = tasks(
+        find_instances(folder, match)[:limit],
+        named,
+        seeds,
+        deadline=deadline,
+        max_work=max_work,
+        robots=robots,
+        robots_for=robots_for,
+    )
+    click.echo(f"{len(todo)} runs, at most {len(todo) * deadline:.0f} s of searching", err=True)
+
+    def tell(number: int, row: BenchRow) -> None:
+        gap = "" if row.gap is None else f", gap {row.gap:.2%}"
+        found = row.error if row.cost is None else f"{row.cost:g}{gap}"
+        proven = ", proven" if row.proven else ""
+        seconds = row.seconds or row.wall_seconds or 0.0
+        click.echo(
+            f"{number}/{len(todo)} {row.instance} {row.backend} seed {row.seed}: "
+            f"{found}{proven}, {seconds:.2f} s",
+            err=True,
+        )
+
+    report = run_bench(todo, save=json_path, on_row=tell)
+    if csv_path:
+        bench_csv(report, csv_path)
+    text = bench_markdown(report, folder)
+    if markdown_path:
+        from qrobot._files import write_text_atomic
+
+        write_text_atomic(markdown_path, text)
+    if plot_path:
+        bench_plot(report, plot_path)
+    click.echo(bench_markdown(report, folder, rows=False))
+    sys.exit(0 if all(row["error"] is None or row["proven"] for row in report["rows"]) else 1)

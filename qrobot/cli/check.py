@@ -1,0 +1,53 @@
+"""``qrobot check``: the independent checker by itself."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import click
+
+from qrobot.cli.options import Robots
+
+__all__ = ["command"]
+
+
+@click.command("check")
+@click.argument("plan", type=click.Path())
+@click.argument("instance", type=click.Path())
+@click.option("--layout", type=click.Path(), help="Layout and robots of CSV orders.")
+@click.option("--robots", type=Robots(), help="The number of robots that the plan was made with.")
+@click.option("--capacity", help="The capacity that the plan was made with.")
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+def command(
+    plan: str,
+    instance: str,
+    layout: str | None,
+    robots: int | str | None,
+    capacity: str | None,
+    as_json: bool,
+) -> None:
+    """Check a plan against its instance, without trusting any solver.
+
+    Every item once, orders whole, loads within capacity, robots known, and every distance
+    measured anew. Exit code 0: right, 1: problems found, 2: a file cannot be read.
+
+    \b
+    Examples:
+      qrobot check plan.json examples/small-warehouse.json
+      qrobot check plan.json examples/small-warehouse.json --json
+    """
+    from qrobot.plan import check
+    from qrobot.problem.formats import read
+    from qrobot.report.outputs import read_plan
+
+    answer = read_plan(plan)
+    question = read(
+        instance, layout=layout, robots=robots, capacity=capacity, split_orders=answer.split
+    )
+    report = check(answer, question)
+    if as_json:
+        click.echo(json.dumps(report.to_dict(), indent=1, ensure_ascii=False))
+    else:
+        click.echo(str(report))
+    sys.exit(0 if report.ok else 1)

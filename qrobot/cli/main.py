@@ -1,0 +1,103 @@
+"""The group of commands, loaded when they are called, and what errors turn into."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from typing import Any
+
+import click
+
+from qrobot._version import __version__
+from qrobot.errors import QRobotError
+
+__all__ = ["COMMANDS", "cli", "main"]
+
+COMMANDS = {
+    "solve": "Plan which robot collects which orders, in which sequence, by which way.",
+    "check": "Check a plan against its instance, without trusting any solver.",
+    "backends": "List the backends: what they can do and how to install them.",
+    "bench": "Compare backends on a folder of instances.",
+}
+"""Name and one line of help; the module of the same name holds the command."""
+
+
+class LazyGroup(click.Group):
+    """A group that imports a command only when it is called: `--help` stays fast on a Pi."""
+
+    def list_commands(self, _ctx: click.Context) -> list[str]:
+        """Return the commands in the sequence that they are listed in."""
+        return list(COMMANDS)
+
+    def get_command(self, _ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import a command."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"qrobot.cli.{cmd_name}").command
+        return command
+
+    def format_commands(self, _ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(__version__, prog_name="qrobot")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+def cli(debug: bool) -> None:
+    """Order picking and batching for warehouse robots, quantum and classical.
+
+    \b
+    Examples:
+      qrobot solve examples/small-warehouse.json --picture plan.svg
+      qrobot solve orders.csv --layout layout.json --deadline 5 --output plan.json
+      qrobot check plan.json examples/small-warehouse.json
+      qrobot bench instances/ --backends auto,pyvrp --deadline 10 --seeds 3
+
+    Exit codes: 0 done, 1 infeasible or unhealthy, 2 bad input, 3 a backend failed.
+    """
+    del debug  # read by `main`, which must know it whatever the command does
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and exit with its code; users see sentences, not tracebacks."""
+    words = sys.argv[1:] if arguments is None else arguments
+    debug = "--debug" in words
+    try:
+        code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
+    except click.exceptions.Exit as done:
+        code = done.exit_code
+    except click.ClickException as error:
+        error.show()
+        code = 2
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("qrobot: interrupted", err=True)
+        code = 130
+    except BrokenPipeError:
+        # The reader of our output went away; there is nobody left to tell.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
+    except QRobotError as error:
+        code = _tell(str(error), error, error.exit_code, debug)
+    except OSError as error:
+        code = _tell(
+            f"{error.strerror or error} ({error.filename or 'input/output'})", error, 2, debug
+        )
+    except MemoryError as error:
+        code = _tell("out of memory; plan a smaller instance", error, 3, debug)
+    except Exception as error:
+        text = f"internal error: {type(error).__name__}: {error}; show more with --debug"
+        code = _tell(text, error, 3, debug)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:
+    if debug:
+        raise error
+    click.echo(f"qrobot: {' '.join(text.split())}", err=True)
+    return code

@@ -1,0 +1,71 @@
+"""Progress on the standard error stream while something works."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from qrobot.planning.run import Progress
+
+__all__ = ["ProgressLine", "progress_line"]
+
+LIVE, PLAIN = 0.2, 2.0
+"""Seconds between updates on a terminal, and between lines without one."""
+
+
+class ProgressLine:
+    """The latest progress, shown by a thread of its own."""
+
+    def __init__(self) -> None:
+        self.latest: Progress | None = None
+        self.begun = time.perf_counter()
+        self.live = sys.stderr.isatty()
+        self._done = threading.Event()
+
+    def __call__(self, progress: Progress) -> None:
+        """Take the latest progress."""
+        self.latest = progress
+
+    def text(self) -> str:
+        """Return the line to show."""
+        clock = time.perf_counter() - self.begun
+        if self.latest is None:
+            return f"{clock:5.1f} s  reading"
+        cost = "no plan yet" if self.latest.cost is None else f"distance {self.latest.cost:g}"
+        bound = f", bound {self.latest.bound:g}" if self.latest.bound > 0 else ""
+        return f"{clock:5.1f} s  {self.latest.step}: {cost}{bound}"
+
+    def show(self) -> None:
+        """Show progress until `end`; the body of the thread."""
+        while not self._done.wait(LIVE if self.live else PLAIN):
+            if self.live:
+                sys.stderr.write(f"\r\x1b[K{self.text()}")
+            else:
+                sys.stderr.write(f"{self.text()}\n")
+            sys.stderr.flush()
+
+    def end(self) -> None:
+        """Stop showing and clear the line."""
+        self._done.set()
+
+
+@contextmanager
+def progress_line(quiet: bool) -> Iterator[ProgressLine | None]:
+    """Show progress while the block runs, unless it shall be quiet."""
+    if quiet:
+        yield None
+        return
+    line = ProgressLine()
+    thread = threading.Thread(target=line.show, daemon=True)
+    thread.start()
+    try:
+        yield line
+    finally:
+        line.end()
+        thread.join()
+        if line.live:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()

@@ -1,0 +1,31 @@
+"""Ctrl-C and a polite kill end the search, not the program."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from qrobot.backends import Stop
+
+__all__ = ["stop_on_signals"]
+
+
+@contextmanager
+def stop_on_signals() -> Iterator[Stop]:
+    """Give a stop that the first SIGINT or SIGTERM requests; a second one kills as usual."""
+    stop = Stop()
+    usual = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def request(number: int, _frame: FrameType | None) -> None:
+        signal.signal(number, usual[signal.Signals(number)])
+        stop.request()
+
+    for number in usual:
+        signal.signal(number, request)
+    try:
+        yield stop
+    finally:
+        for number, handler in usual.items():
+            signal.signal(number, handler)

@@ -1,0 +1,116 @@
+"""``qrobot solve``: orders in, a checked plan out."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import click
+
+from qrobot.cli.options import Robots
+
+__all__ = ["command"]
+
+
+@click.command("solve")
+@click.argument("instance", type=click.Path())
+@click.option("--backend", "-b", default="auto", show_default=True, help="See `qrobot backends`.")
+@click.option("--deadline", "-t", type=float, help="Wall-clock seconds.  [default: 10]")
+@click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of every random choice.")
+@click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
+@click.option("--capacity", help="Another capacity of every robot.")
+@click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
+@click.option("--layout", type=click.Path(), help="Layout and robots of CSV orders.")
+@click.option("--encoding", help="Sampler: full, reduced or compact.")
+@click.option("--slack", help="Sampler: exact or paper.")
+@click.option("--reads", type=int, help="Sampler: number of reads.")
+@click.option("--control", is_flag=True, help="Sampler: polish as many random starts too.")
+@click.option("--output", "-o", type=click.Path(), help="Write the plan as JSON.")
+@click.option(
+    "--picture",
+    "-p",
+    multiple=True,
+    type=click.Path(),
+    help="Draw the plan: .svg or .png, repeatable.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON, nothing else.")
+@click.option("--quiet", "-q", is_flag=True, help="No progress, no table.")
+def command(
+    instance: str,
+    backend: str,
+    deadline: float | None,
+    max_work: int | None,
+    seed: int,
+    robots: int | str | None,
+    capacity: str | None,
+    split_orders: bool,
+    layout: str | None,
+    encoding: str | None,
+    slack: str | None,
+    reads: int | None,
+    control: bool,
+    output: str | None,
+    picture: tuple[str, ...],
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Plan which robot collects which orders, in which sequence, by which way.
+
+    INSTANCE is a .json instance, a .csv of orders with a layout, or a CVRPLIB .vrp file.
+    Every plan is verified by an independent checker. Ctrl-C keeps the best plan so far.
+
+    \b
+    Examples:
+      qrobot solve examples/small-warehouse.json
+      qrobot solve examples/small-warehouse.json -t 5 -o plan.json -p plan.svg -p plan.png
+      qrobot solve examples/orders.csv --layout examples/layout.json
+      qrobot solve examples/paper-7-items.json --backend neal --control
+      qrobot solve X-n101-k25.vrp --robots free --deadline 30
+    """
+    from qrobot.cli.progress import progress_line
+    from qrobot.cli.signals import stop_on_signals
+    from qrobot.planning import solve
+    from qrobot.problem.formats import read
+    from qrobot.report.outputs import check_writable
+
+    for path in [*([output] if output else []), *picture]:
+        check_writable(path)
+    if picture:
+        from qrobot.report import check_picture_path
+
+        for path in picture:
+            check_picture_path(path)
+    options: dict[str, Any] = {"encoding": encoding, "slack": slack, "num_reads": reads}
+    with stop_on_signals() as stop, progress_line(quiet or as_json) as line:
+        question = read(
+            instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
+        )
+        result = solve(
+            question,
+            backend=backend,
+            deadline=deadline,
+            max_work=max_work,
+            seed=seed,
+            control=control,
+            stop=stop,
+            on_progress=line,
+            **{name: value for name, value in options.items() if value is not None},
+        )
+    if output:
+        result.save(output)
+    if as_json:
+        click.echo(json.dumps(result.to_dict(), indent=1, ensure_ascii=False))
+    elif not quiet:
+        from qrobot.report import table
+
+        click.echo(table(result))
+        click.echo(result.summary())
+    if picture:
+        from qrobot.report import plot
+
+        for path in picture:
+            plot(result, path)
+    if not (quiet or as_json):
+        for path in [*([output] if output else []), *picture]:
+            click.echo(f"written: {path}")

@@ -1,0 +1,47 @@
+"""The list of backends as rows and as a table."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from qrobot.backends import available, get, names
+from qrobot.errors import QRobotError
+from qrobot.report.text import columns
+
+__all__ = ["backend_rows", "backend_table"]
+
+
+def backend_rows() -> list[dict[str, Any]]:
+    """Return what every known backend says about itself; absent ones say how to install."""
+    rows: list[dict[str, Any]] = []
+    for name in names():
+        row: dict[str, Any] = {"name": name, "installed": available(name)}
+        try:
+            row |= asdict(get(name).capabilities)
+        except (QRobotError, ImportError) as error:
+            row |= {"installed": False, "problem": str(error)}
+        rows.append(row)
+    return rows
+
+
+def backend_table(rows: list[dict[str, Any]]) -> str:
+    """Return the rows as aligned text."""
+    heads = ["backend", "kind", "where", "installed", "repeatable", "proves", "whole orders"]
+    lines = []
+    for row in rows:
+        if "kind" not in row:
+            lines.append([row["name"], "?", "?", "no", "?", "?", row.get("problem", "")])
+            continue
+        lines.append(
+            [
+                row["name"],
+                row["kind"],
+                "local" if row["local"] else "remote",
+                "yes" if row["installed"] else f"no: pip install 'qrobot[{row['extra']}]'",
+                "yes" if row["deterministic"] else "no",
+                "yes" if row["proves"] else "no",
+                "yes" if row["whole_orders"] else "no",
+            ]
+        )
+    return columns(heads, lines)

@@ -1,0 +1,64 @@
+"""Files that programs give and take: where to write, and plans read back."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from qrobot._files import StrPath, read_text
+from qrobot.errors import InputError
+from qrobot.plan import Plan
+
+__all__ = ["check_writable", "read_plan"]
+
+
+def check_writable(path: StrPath) -> None:
+    """Refuse a path that cannot be written, before any work is done for it.
+
+    Raises
+    ------
+    InputError
+        When the folder is missing or may not be written, or the path is a folder.
+    """
+    target = Path(path)
+    folder = target.parent
+    if target.is_dir():
+        raise InputError("is a folder", source=os.fspath(path), mend="give the path of a file")
+    if not folder.is_dir():
+        raise InputError(
+            f"the folder {os.fspath(folder)!r} does not exist",
+            source=os.fspath(path),
+            mend="make it, or choose another place",
+        )
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(
+            f"the folder {os.fspath(folder)!r} may not be written",
+            source=os.fspath(path),
+            mend="check the permissions, or choose another place",
+        )
+
+
+def read_plan(path: StrPath) -> Plan:
+    """Read a plan that `Result.save` or ``qrobot solve --output`` wrote.
+
+    Raises
+    ------
+    InputError
+        When the file is no plan.
+    """
+    source = os.fspath(path)
+    try:
+        data = json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"is no JSON: {error.msg}",
+            source=source,
+            field=f"line {error.lineno}, column {error.colno}",
+            mend="give a plan that qrobot wrote",
+        ) from None
+    except RecursionError:
+        raise InputError(
+            "is nested too deeply", source=source, mend="give a plan that qrobot wrote"
+        ) from None
+    return Plan.from_dict(data, source=source)

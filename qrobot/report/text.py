@@ -1,0 +1,36 @@
+"""Aligned text columns: the same with and without a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+__all__ = ["columns"]
+
+
+def columns(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: frozenset[int] = frozenset()
+) -> str:
+    """Return a table as lines of text.
+
+    Parameters
+    ----------
+    heads
+        Column titles.
+    rows
+        Cells, as many as titles.
+    numbers
+        Columns that are set to the right.
+    """
+    cells = [list(heads), *(list(row) for row in rows)]
+    widths = [max(len(row[c]) for row in cells) for c in range(len(heads))]
+
+    def line(row: Sequence[str]) -> str:
+        parts = [
+            cell.rjust(width) if c in numbers else cell.ljust(width)
+            for c, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        return "  ".join(parts).rstrip()
+
+    return "\n".join(
+        [line(cells[0]), *("  ".join("-" * w for w in widths).splitlines()), *map(line, cells[1:])]
+    )
