@@ -17,7 +17,8 @@ from typing import Any, Literal
 
 from qrobot.plan.plan import Plan, Trip
 from qrobot.plan.ruler import Ruler
-from qrobot.problem.instance import Instance, Robot
+from qrobot.problem.entities import Robot
+from qrobot.problem.instance import Instance
 
 __all__ = ["CheckReport", "Problem", "check"]
 

@@ -1,6 +1,8 @@
 """What is asked: warehouse, items, orders, robots; distances; readers and writers."""
 
-from qrobot.problem.instance import MAX_ITEMS, MAX_STOPS, Instance, Item, Order, Robot
+from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.instance import Instance
+from qrobot.problem.validity import MAX_ITEMS, MAX_STOPS
 from qrobot.problem.warehouse import (
     AisleWarehouse,
     DistanceTable,

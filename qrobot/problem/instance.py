@@ -17,84 +17,13 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot.errors import InputError
-from qrobot.problem.units import MAX_UNITS, common_unit, exact, in_units
+from qrobot.problem.asymmetry import unusual
+from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.units import MAX_UNITS, common_unit, in_units
+from qrobot.problem.validity import MAX_ITEMS, check_entities, some
 from qrobot.problem.warehouse import DistanceTable, Place, Warehouse
 
-__all__ = ["MAX_ITEMS", "MAX_STOPS", "Instance", "Item", "Order", "Robot"]
-
-MAX_ITEMS = 20_000
-"""More items than this are refused: plan them in waves."""
-
-MAX_STOPS = 2_500
-"""More stops (places of each order) than this are refused: their distance matrix alone takes
-50 MB, and every solver keeps a few of its size (a Pi 4 may have 2 GB)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Item:
-    """One thing to collect, from one place.
-
-    Parameters
-    ----------
-    id
-        Unique name.
-    weight
-        Weight, kg by convention; an exact fraction.
-    place
-        Where it lies.
-    """
-
-    id: str
-    weight: Fraction
-    place: Place
-
-    def __post_init__(self) -> None:
-        """Take a plain number for the decimal that it is written as."""
-        if not isinstance(self.weight, Fraction):
-            object.__setattr__(self, "weight", exact(self.weight, field="weight"))
-
-
-@dataclass(frozen=True, slots=True)
-class Order:
-    """A whole lot of items that stay together on one trip.
-
-    Parameters
-    ----------
-    id
-        Unique name.
-    items
-        Ids of its items.
-    """
-
-    id: str
-    items: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Robot:
-    """A robot that collects.
-
-    Parameters
-    ----------
-    id
-        Unique name.
-    capacity
-        Largest load of one trip, in the unit of the weights.
-    speed
-        Metres a second, for times in reports; distances do not depend on it.
-    trips
-        The most trips the robot may make.
-    """
-
-    id: str
-    capacity: Fraction
-    speed: float = 1.0
-    trips: int = 1
-
-    def __post_init__(self) -> None:
-        """Take a plain number for the decimal that it is written as."""
-        if not isinstance(self.capacity, Fraction):
-            object.__setattr__(self, "capacity", exact(self.capacity, field="capacity"))
+__all__ = ["Instance"]
 
 
 @dataclass(frozen=True)
@@ -134,93 +63,7 @@ class Instance:
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without distances."""
-        if len(self.items) > MAX_ITEMS:
-            raise InputError(
-                f"{len(self.items)} items are more than the {MAX_ITEMS} that one plan may have",
-                field="items",
-                mend="plan them in waves",
-            )
-        _unique([i.id for i in self.items], "items")
-        _unique([o.id for o in self.orders], "orders")
-        _unique([r.id for r in self.robots], "robots")
-        if not self.robots:
-            raise InputError("no robots", field="robots", mend="give at least one robot")
-        for i, item in enumerate(self.items):
-            if item.weight < 0:
-                raise InputError(
-                    f"weight {float(item.weight):g} of item {item.id!r} is negative",
-                    field=f"items[{i}].weight",
-                    mend="use zero or more",
-                )
-            try:
-                self.warehouse.check(item.place)
-            except InputError as error:
-                path = f"items[{i}].at" + (f".{error.field}" if error.field else "")
-                raise InputError(
-                    f"{error.problem} (item {item.id!r})", field=path, mend=error.mend
-                ) from None
-        for i, robot in enumerate(self.robots):
-            if robot.capacity <= 0:
-                raise InputError(
-                    f"capacity {float(robot.capacity):g} of robot {robot.id!r} is not positive",
-                    field=f"robots[{i}].capacity",
-                    mend="use a number above zero",
-                )
-            if not (robot.speed > 0 and math.isfinite(robot.speed)):
-                raise InputError(
-                    f"speed {robot.speed:g} of robot {robot.id!r} is not positive",
-                    field=f"robots[{i}].speed",
-                    mend="use metres a second above zero",
-                )
-            if robot.trips < 1:
-                raise InputError(
-                    f"{robot.trips} trips for robot {robot.id!r} are too few",
-                    field=f"robots[{i}].trips",
-                    mend="use 1 or more, or remove the robot",
-                )
-        self._check_orders()
-
-    def _check_orders(self) -> None:
-        known = {item.id for item in self.items}
-        owner: dict[str, str] = {}
-        for i, order in enumerate(self.orders):
-            if not order.items:
-                raise InputError(
-                    f"order {order.id!r} is empty",
-                    field=f"orders[{i}].items",
-                    mend="name at least one item or remove the order",
-                )
-            for j, item_id in enumerate(order.items):
-                path = f"orders[{i}].items[{j}]"
-                if item_id not in known:
-                    raise InputError(
-                        f"order {order.id!r} names the unknown item {item_id!r}",
-                        field=path,
-                        mend="add the item or correct the name",
-                    )
-                if item_id in owner:
-                    raise InputError(
-                        f"item {item_id!r} is in orders {owner[item_id]!r} and {order.id!r}",
-                        field=path,
-                        mend="keep it in one order; give a second piece an id of its own",
-                    )
-                owner[item_id] = order.id
-        if len(owner) < len(known):
-            missing = sorted(known - set(owner))
-            raise InputError(
-                f"items {_some(missing)} are in no order",
-                field="orders",
-                mend="put every item into an order, or leave the orders out",
-            )
-        place = {item.id: item.place for item in self.items}
-        stops = len({(owner[item_id], place[item_id]) for item_id in owner})
-        if stops > MAX_STOPS:
-            raise InputError(
-                f"{stops} stops (places of each order) are more than the {MAX_STOPS} that one plan "
-                f"may have: their distances alone would take {8 * (stops + 1) ** 2 / 1e6:.0f} MB",
-                field="orders",
-                mend="plan them in waves",
-            )
+        check_entities(self.warehouse, self.items, self.orders, self.robots)
 
     # -- numbers for solvers ---------------------------------------------------------
 
@@ -264,7 +107,7 @@ class Instance:
             cut_off = np.flatnonzero(~(ways[0] & ways[:, 0]))
             culprits = cut_off if cut_off.size else np.flatnonzero(~(ways & ways.T).all(axis=0))
             found = np.flatnonzero(np.isin(self.place_of_node, culprits)) - 1
-            ids = _some([self.items[i].id for i in found])
+            ids = some([self.items[i].id for i in found])
             mends = {"aisles": ", or open an aisle", "matrix": ", or fill in their distances"}
             raise InputError(
                 f"no way leads from the depot to items {ids} and back"
@@ -372,24 +215,8 @@ class Instance:
         """Facts about the input that its plans depend on, one sentence each."""
         if not isinstance(self.warehouse, DistanceTable):
             return ()  # metric by construction
-        found = []
-        d = self.place_distances
         first = np.unique(self.place_of_node, return_index=True)[1].tolist()
-        names = [self.node_name(node) for node in first]
-        if not np.allclose(d, d.T, rtol=0, atol=1e-9):
-            i, j = divmod(int(np.argmax(np.abs(d - d.T))), len(d))
-            found.append(
-                f"the distances are asymmetric: {names[i]} to {names[j]} is {d[i, j]:g}, "
-                f"back {d[j, i]:g}"
-            )
-        if (gap := _triangle_gap(d)) is not None:
-            i, k, j = gap
-            found.append(
-                "the distances violate the triangle inequality: "
-                f"{names[i]} to {names[j]} is {d[i, j]:g}, but "
-                f"{d[i, k] + d[k, j]:g} over {names[k]}"
-            )
-        return tuple(found)
+        return unusual(self.place_distances, [self.node_name(node) for node in first])
 
     @property
     def size(self) -> int:
@@ -421,32 +248,3 @@ class Instance:
         wanted = max(len(self.orders), 1) if count is None else count
         robots = tuple(dataclasses.replace(model, id=f"R{k + 1}", trips=1) for k in range(wanted))
         return dataclasses.replace(self, robots=robots)
-
-
-def _unique(ids: Sequence[str], what: str) -> None:
-    seen: set[str] = set()
-    for i, one in enumerate(ids):
-        if one in seen:
-            raise InputError(
-                f"the id {one!r} is used twice",
-                field=f"{what}[{i}].id",
-                mend="give each an id of its own",
-            )
-        seen.add(one)
-
-
-def _some(names: Sequence[str], most: int = 5) -> str:
-    shown = ", ".join(names[:most])
-    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
-
-
-def _triangle_gap(d: npt.NDArray[np.float64]) -> tuple[int, int, int] | None:
-    """Return the worst (i, k, j) with d[i,k] + d[k,j] < d[i,j], or None."""
-    worst, where = 1e-9 * max(float(d.max(initial=0.0)), 1.0), None
-    # Every pivot of a large matrix would take minutes; a few hundred find any common fault.
-    for k in range(0, len(d), 1 + len(d) // 400):
-        gap = d - (d[:, k, None] + d[None, k, :])
-        if (top := float(gap.max())) > worst:
-            i, j = divmod(int(gap.argmax()), len(d))
-            worst, where = top, (i, k, j)
-    return where

@@ -114,10 +114,11 @@ def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
             "osD^vPX*" * 9, dict.fromkeys(row["backend"] for row in found), strict=False
         ):
             own = [row for row in found if row["backend"] == backend]
-            heights = [100 * row["gap"] if row["gap"] is not None else None for row in own]
+            if with_gap:
+                own = [row for row in own if row["gap"] is not None]
             axes.plot(
                 [max(row["seconds"], 1e-3) for row in own],
-                heights if with_gap else [row["cost"] for row in own],
+                [100 * row["gap"] if with_gap else row["cost"] for row in own],
                 marker,
                 label=backend,
                 alpha=0.7,

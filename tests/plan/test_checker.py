@@ -303,6 +303,7 @@ def test_the_checker_imports_no_solver_and_no_numbers(module: object) -> None:
     assert ours <= {
         "qrobot.plan.plan",
         "qrobot.plan.ruler",
+        "qrobot.problem.entities",
         "qrobot.problem.instance",
         "qrobot.problem.warehouse",
     }

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import qrobot
-from qrobot.problem.instance import MAX_ITEMS, MAX_STOPS
+from qrobot.problem import MAX_ITEMS, MAX_STOPS
 from qrobot.problem.warehouse import MAX_CROSSINGS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()

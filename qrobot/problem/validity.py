@@ -1,0 +1,155 @@
+"""Whether items, orders and robots make sense together, before any distance is known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from qrobot.errors import InputError
+from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.warehouse import Warehouse
+
+__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "some"]
+
+MAX_ITEMS = 20_000
+"""More items than this are refused: plan them in waves."""
+
+MAX_STOPS = 2_500
+"""More stops (places of each order) than this are refused: their distance matrix alone takes
+50 MB, and every solver keeps a few of its size (a Pi 4 may have 2 GB)."""
+
+
+def check_entities(
+    warehouse: Warehouse,
+    items: Sequence[Item],
+    orders: Sequence[Order],
+    robots: Sequence[Robot],
+) -> None:
+    """Check what an instance is made of.
+
+    Raises
+    ------
+    InputError
+        When ids repeat or dangle, a number is out of range, a place is outside the
+        warehouse, or there is more than one plan can hold.
+    """
+    if len(items) > MAX_ITEMS:
+        raise InputError(
+            f"{len(items)} items are more than the {MAX_ITEMS} that one plan may have",
+            field="items",
+            mend="plan them in waves",
+        )
+    _unique([i.id for i in items], "items")
+    _unique([o.id for o in orders], "orders")
+    _unique([r.id for r in robots], "robots")
+    if not robots:
+        raise InputError("no robots", field="robots", mend="give at least one robot")
+    _check_items(warehouse, items)
+    _check_robots(robots)
+    owner = _owners(items, orders)
+    _check_stops(items, owner)
+
+
+def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
+    for i, item in enumerate(items):
+        if item.weight < 0:
+            raise InputError(
+                f"weight {float(item.weight):g} of item {item.id!r} is negative",
+                field=f"items[{i}].weight",
+                mend="use zero or more",
+            )
+        try:
+            warehouse.check(item.place)
+        except InputError as error:
+            path = f"items[{i}].at" + (f".{error.field}" if error.field else "")
+            raise InputError(
+                f"{error.problem} (item {item.id!r})", field=path, mend=error.mend
+            ) from None
+
+
+def _check_robots(robots: Sequence[Robot]) -> None:
+    for i, robot in enumerate(robots):
+        if robot.capacity <= 0:
+            raise InputError(
+                f"capacity {float(robot.capacity):g} of robot {robot.id!r} is not positive",
+                field=f"robots[{i}].capacity",
+                mend="use a number above zero",
+            )
+        if not (robot.speed > 0 and math.isfinite(robot.speed)):
+            raise InputError(
+                f"speed {robot.speed:g} of robot {robot.id!r} is not positive",
+                field=f"robots[{i}].speed",
+                mend="use metres a second above zero",
+            )
+        if robot.trips < 1:
+            raise InputError(
+                f"{robot.trips} trips for robot {robot.id!r} are too few",
+                field=f"robots[{i}].trips",
+                mend="use 1 or more, or remove the robot",
+            )
+
+
+def _owners(items: Sequence[Item], orders: Sequence[Order]) -> dict[str, str]:
+    """Return the order of every item."""
+    known = {item.id for item in items}
+    owner: dict[str, str] = {}
+    for i, order in enumerate(orders):
+        if not order.items:
+            raise InputError(
+                f"order {order.id!r} is empty",
+                field=f"orders[{i}].items",
+                mend="name at least one item or remove the order",
+            )
+        for j, item_id in enumerate(order.items):
+            path = f"orders[{i}].items[{j}]"
+            if item_id not in known:
+                raise InputError(
+                    f"order {order.id!r} names the unknown item {item_id!r}",
+                    field=path,
+                    mend="add the item or correct the name",
+                )
+            if item_id in owner:
+                raise InputError(
+                    f"item {item_id!r} is in orders {owner[item_id]!r} and {order.id!r}",
+                    field=path,
+                    mend="keep it in one order; give a second piece an id of its own",
+                )
+            owner[item_id] = order.id
+    if len(owner) < len(known):
+        missing = sorted(known - set(owner))
+        raise InputError(
+            f"items {some(missing)} are in no order",
+            field="orders",
+            mend="put every item into an order, or leave the orders out",
+        )
+    return owner
+
+
+def _check_stops(items: Sequence[Item], owner: dict[str, str]) -> None:
+    place = {item.id: item.place for item in items}
+    stops = len({(owner[item_id], place[item_id]) for item_id in owner})
+    if stops > MAX_STOPS:
+        raise InputError(
+            f"{stops} stops (places of each order) are more than the {MAX_STOPS} that one plan "
+            f"may have: their distances alone would take {8 * (stops + 1) ** 2 / 1e6:.0f} MB",
+            field="orders",
+            mend="plan them in waves",
+        )
+
+
+def _unique(ids: Sequence[str], what: str) -> None:
+    seen: set[str] = set()
+    for i, one in enumerate(ids):
+        if one in seen:
+            raise InputError(
+                f"the id {one!r} is used twice",
+                field=f"{what}[{i}].id",
+                mend="give each an id of its own",
+            )
+        seen.add(one)
+
+
+def some(names: Sequence[str], most: int = 5) -> str:
+    """Return the first few names, and how many more there are."""
+    shown = ", ".join(names[:most])
+    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
