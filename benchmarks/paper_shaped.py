@@ -37,8 +37,10 @@ def measure(count: int) -> dict[str, object]:
         except qrobot.InfeasibleError as error:
             cost, proven = None, error.proven
         seconds = clock.elapsed
-        same = cost is None if expected is None else cost is not None and (
-            abs(cost - expected) <= 1e-9 * expected
+        same = (
+            cost is None
+            if expected is None
+            else cost is not None and (abs(cost - expected) <= 1e-9 * expected)
         )
         rows.append(
             {

@@ -25,7 +25,7 @@ _ENDINGS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class SamplerReport:
     """What a sampler found by itself, before any repair or polish.
 

@@ -6,8 +6,11 @@ and arrows can be given in either.
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from matplotlib.collections import PolyCollection
@@ -16,15 +19,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
 
-from qrobot.report.lanes import XY, rounded
-from qrobot.report.palette import DEPOT, INK, Colour
+from qrobot.report.lanes import XY, Line, rounded
+from qrobot.report.palette import DEPOT, INK
 from qrobot.report.scene import Journey, Scene, number
 
 __all__ = ["Canvas", "Look"]
 
 POINTS = 72.0
 MAP = (9.0, 6.6)  # inches, at most
-LEAST = (4.4, 3.4)
+LEAST = (3.8, 3.2)
 PANEL, TOP, EDGE = 3.05, 0.92, 0.3
 ROW = 0.44
 MOST_ROWS = 40
@@ -176,9 +179,9 @@ class Canvas:
 
     # -- what is drawn on the map ------------------------------------------------------
 
-    def way(self, journey: Journey, corners: Sequence[XY], look: Look, *, bend: float) -> None:
+    def way(self, journey: Journey, line: Line, look: Look, *, bend: float) -> None:
         """Draw a trip's way with its arrows; gid ``trip-<number>-way``."""
-        steps = rounded(corners, bend)
+        steps = rounded(line.corners, bend)
         codes = {"move": Path.MOVETO, "line": Path.LINETO, "control": Path.CURVE3}
         path = Path(
             [point for _, point in steps], [codes.get(kind, Path.CURVE3) for kind, _ in steps]
@@ -199,7 +202,7 @@ class Canvas:
                 **common,
             )
         )
-        heads = [self._head(at, ahead, look) for at, ahead in self._spots(corners, look)]
+        heads = [self._head(at, ahead, look) for at, ahead in self._spots(line, look)]
         if heads:
             self.axes.add_collection(
                 PolyCollection(
@@ -212,19 +215,27 @@ class Canvas:
                 )
             )
 
-    def _spots(self, corners: Sequence[XY], look: Look) -> list[tuple[XY, XY]]:
-        """Return where arrows stand and their unit directions: never close to a corner."""
+    def _spots(self, line: Line, look: Look) -> list[tuple[XY, XY]]:
+        """Return where arrows stand and their directions: not at corners, nor at stops."""
         found = []
-        gap, least = self.metres(look.every), self.metres(look.arrow * 2.4)
-        for (ax, ay), (bx, by) in zip(corners, corners[1:], strict=False):
-            length = ((bx - ax) ** 2 + (by - ay) ** 2) ** 0.5
+        gap, least = self.metres(look.every), self.metres(look.arrow * 2.2)
+        free = self.metres(look.arrow)
+        stops = sorted(line.stops)
+        for (ax, ay), (bx, by) in pairwise(line.corners):
+            length = math.dist((ax, ay), (bx, by))
             if length < least:
                 continue
             count = max(1, round(length / gap))
             ahead = ((bx - ax) / length, (by - ay) / length)
             for k in range(count):
-                at = length * (k + 0.5) / count
-                found.append(((ax + ahead[0] * at, ay + ahead[1] * at), ahead))
+                # Off the middle: the ways in and back out have their arrows apart.
+                for shift in (0.0, 1.2, -1.2, 2.4, -2.4):
+                    along = length * (k + 0.42) / count + shift * free
+                    at = (ax + ahead[0] * along, ay + ahead[1] * along)
+                    inside = free < along < length - free
+                    if inside and not _near(at, stops, free):
+                        found.append((at, ahead))
+                        break
         return found
 
     def _head(self, at: XY, ahead: XY, look: Look) -> list[XY]:
@@ -277,6 +288,12 @@ def _depot_marker(size: float) -> dict[str, Any]:
     return {"ls": "none", "marker": "s", "ms": size, "mfc": DEPOT, "mec": INK, "mew": 1.4}
 
 
-def text_colour(colour: Colour | None) -> str:
-    """Return the colour of text on a filled slot or marker."""
-    return INK if colour is None else colour.text
+def _near(at: XY, stops: list[XY], distance: float) -> bool:
+    """Return whether a stop lies near a point; the stops are sorted."""
+    first = bisect_left(stops, (at[0] - distance, -math.inf))
+    for stop in stops[first:]:
+        if stop[0] > at[0] + distance:
+            return False
+        if abs(stop[1] - at[1]) < distance:
+            return True
+    return False

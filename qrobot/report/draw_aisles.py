@@ -12,13 +12,13 @@ from matplotlib.patches import Rectangle
 
 from qrobot.problem import AisleWarehouse, Slot
 from qrobot.report.canvas import Canvas, Look
-from qrobot.report.lanes import XY, Line, drawn_in_lanes
-from qrobot.report.palette import INK, Colour
+from qrobot.report.lanes import XY, Lanes, Line
+from qrobot.report.palette import Colour
 from qrobot.report.scene import Scene
 
 __all__ = ["draw_aisles"]
 
-FLOOR, CORRIDOR, RACK, CLOSED = "#eef1f4", "#ffffff", "#d5dbe2", "#f3d9d9"
+RACK, CLOSED = "#d5dbe2", "#f3d9d9"
 HATCH = "#b4545c"
 NOT_PICKED = Colour("#9aa5b1", "#5b6673")
 
@@ -51,36 +51,30 @@ def draw_aisles(scene: Scene) -> Any:
     high = (width + house.aisle_pitch / 2, max(depth + sizes.cross, y))
     room = 0.055 * max(high[0] - low[0], high[1] - low[1])
     closed = bool(house.closed_aisles or house.closed_crossings)
-    extra = [("slot", RACK, ""), *([("closed", CLOSED, "////")] if closed else [])]
+    extra = [("slot; numbers: stops in sequence", RACK, ""), *([("closed", CLOSED, "////")] if closed else [])]
     canvas = Canvas(
         scene, (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room), extra
     )
     _floor(canvas, house, sizes)
     _closed(canvas, house, sizes)
-    look = _look(canvas, scene, sizes)
-    lines = drawn_in_lanes(
-        [journey.legs for journey in scene.journeys],
-        step=canvas.metres(look.line * 1.75 + look.halo * 0.5),
-        widths=(1.7 * sizes.cross, 1.6 * sizes.aisle),
-    )
-    for journey, line in zip(scene.journeys, lines, strict=True):
-        canvas.way(journey, line.corners, look, bend=canvas.metres(look.line * 2.2))
-        canvas.halts(journey, line.stops, size=look.line * 1.9)
+    widths = (1.8 * sizes.cross, 1.8 * sizes.aisle)
+    lanes = Lanes([journey.legs for journey in scene.journeys], margin=canvas.metres(6))
+    line = max(0.5, min(2.5, canvas.points(lanes.widest_gap(widths)) / 1.8))
+    look = Look(line=line, halo=0.6 * line, arrow=max(3.0, 3.2 * line), every=110)
+    lines = lanes.lines(step=canvas.metres(1.9 * line), widths=widths)
+    for journey, drawn in zip(scene.journeys, lines, strict=True):
+        canvas.way(journey, drawn, look, bend=canvas.metres(2.2 * line))
+        canvas.halts(journey, drawn.stops, size=max(1.2, 1.9 * line))
     _picks(canvas, scene, house, sizes, lines)
     below = y <= depth / 2
+    # The label stands outside the floor, also when the depot stands inside.
+    inside = y + sizes.cross if below else depth + sizes.cross - y
+    away = max(12.0, canvas.points(inside) + 3)
     canvas.depot(
-        (x, y), label=(0, -12 if below else 12), align=("center", "top" if below else "bottom")
+        (x, y), label=(0, -away if below else away), align=("center", "top" if below else "bottom")
     )
     _names(canvas, house, sizes, above=below)
     return canvas.figure
-
-
-def _look(canvas: Canvas, scene: Scene, sizes: _Sizes) -> Look:
-    """Choose widths: as wide as looks well, as narrow as the lanes need."""
-    corridor = canvas.points(2 * min(sizes.aisle, 2.2 * sizes.cross))
-    crowd = max(4, min(len(scene.journeys), 12))
-    line = max(0.6, min(2.6, corridor / (2.1 * crowd)))
-    return Look(line=line, halo=0.9 * line, arrow=max(3.2, 3.1 * line), every=110)
 
 
 def _slot_box(
@@ -107,11 +101,11 @@ def _floor(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
             (left, -sizes.cross),
             right - left,
             depth + 2 * sizes.cross,
-            fc=CORRIDOR,
-            ec="#aeb8c4",
-            lw=1.0,
+            fc="none",
+            ec="#8a95a3",
+            lw=1.2,
             gid="floor",
-            zorder=0,
+            zorder=1.5,
         )
     )
     racks = [
@@ -220,7 +214,7 @@ def _number(canvas: Canvas, at: XY, box: XY, stops: list[int], scene: Scene, jou
     elif last - first == len(stops) - 1:
         text = f"{first}-{last}"
     else:
-        text = f"{first}+"
+        text = f"{first},{last}" if len(stops) == 2 else f"{first}+"
     size = min(8.5, canvas.points(box[1]) * 0.78, canvas.points(box[0]) * 0.92 / (0.64 * len(text)))
     if size >= 3.2:
         canvas.axes.text(
@@ -252,5 +246,3 @@ def _names(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes, *, above: bool)
             color="#5b6673",
         )
 
-
-_ = INK

@@ -11,8 +11,9 @@ import math
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
-__all__ = ["Line", "XY", "drawn_in_lanes", "rounded"]
+__all__ = ["XY", "Lanes", "Line", "rounded"]
 
 XY = tuple[float, float]
 
@@ -47,7 +48,9 @@ class _Run:
     end: float
     stops: list[tuple[int, float]] = field(default_factory=list)
     wish: int = 0
-    lane: float = 0.0
+    lane: int = 0
+    lanes: int = 1
+    off: float = 0.0
 
     @property
     def low(self) -> float:
@@ -58,44 +61,67 @@ class _Run:
         return max(self.start, self.end)
 
     def at(self, along: float) -> XY:
-        across = self.across + self.lane
+        across = self.across + self.off
         return (along, across) if self.axis == 0 else (across, along)
 
 
-def drawn_in_lanes(
-    ways: Sequence[Sequence[Sequence[XY]]], *, step: float, widths: tuple[float, float]
-) -> list[Line]:
-    """Give every way its lanes.
+class Lanes:
+    """The lanes of several ways.
 
     Parameters
     ----------
     ways
         For each trip its legs, each the corner points from one stop to the next; all runs
         are parallel to an axis.
-    step
-        Wanted distance between two lanes.
-    widths
-        Room for the lanes of a corridor along x and of one along y; more lanes than fit
-        stand closer.
-
-    Returns
-    -------
-    list of Line
-        One for each trip; its stops are the ends of all legs but the last.
+    margin
+        Runs of one corridor that come closer than this do not share a lane.
     """
-    chains = [_runs(trip, legs) for trip, legs in enumerate(ways)]
-    corridors: defaultdict[tuple[int, float], list[_Run]] = defaultdict(list)
-    for runs in chains:
-        _wishes(runs)
-        for run in runs:
-            corridors[run.axis, round(run.across, 6)].append(run)
-    for (axis, _), runs in corridors.items():
-        for group in _touching(runs, step):
-            _assign(group, step, widths[axis])
-    return [
-        _joined(runs) if runs else Line([legs[0][0]], [leg[-1] for leg in legs[:-1]])
-        for runs, legs in zip(chains, ways, strict=True)
-    ]
+
+    def __init__(self, ways: Sequence[Sequence[Sequence[XY]]], *, margin: float) -> None:
+        self._ways = ways
+        self._chains = [_runs(trip, legs) for trip, legs in enumerate(ways)]
+        corridors: defaultdict[tuple[int, float], list[_Run]] = defaultdict(list)
+        for runs in self._chains:
+            _wishes(runs)
+            for run in runs:
+                corridors[run.axis, round(run.across, 6)].append(run)
+        self._groups = [g for runs in corridors.values() for g in _touching(runs, margin)]
+        for group in self._groups:
+            _assign(group, margin)
+
+    def widest_gap(self, widths: tuple[float, float]) -> float:
+        """Return the gap between two lanes that the most crowded corridor has room for.
+
+        Parameters
+        ----------
+        widths
+            Room for the lanes of a corridor along x and of one along y.
+        """
+        return min((widths[g[0].axis] / g[0].lanes for g in self._groups), default=math.inf)
+
+    def lines(self, *, step: float, widths: tuple[float, float]) -> list[Line]:
+        """Return the ways in their lanes.
+
+        Parameters
+        ----------
+        step
+            Wanted gap between two lanes; where more lanes than fit, they stand closer.
+        widths
+            Room for the lanes of a corridor along x and of one along y.
+
+        Returns
+        -------
+        list of Line
+            One for each trip; its stops are the ends of all legs but the last.
+        """
+        for group in self._groups:
+            for run in group:
+                gap = min(step, widths[run.axis] / run.lanes)
+                run.off = (run.lane - (run.lanes - 1) / 2) * gap
+        return [
+            _joined(runs) if runs else Line([legs[0][0]], [leg[-1] for leg in legs[:-1]])
+            for runs, legs in zip(self._chains, self._ways, strict=True)
+        ]
 
 
 def _runs(trip: int, legs: Sequence[Sequence[XY]]) -> list[_Run]:
@@ -103,7 +129,7 @@ def _runs(trip: int, legs: Sequence[Sequence[XY]]) -> list[_Run]:
     runs: list[_Run] = []
     waiting: list[int] = []  # stops before the first move
     for number, leg in enumerate(legs):
-        for a, b in zip(leg, leg[1:], strict=False):
+        for a, b in pairwise(leg):
             dx, dy = b[0] - a[0], b[1] - a[1]
             if abs(dx) < CLOSE and abs(dy) < CLOSE:
                 continue
@@ -126,7 +152,7 @@ def _runs(trip: int, legs: Sequence[Sequence[XY]]) -> list[_Run]:
 
 def _wishes(runs: list[_Run]) -> None:
     """Let each run wish for the side that its neighbours come from and go to."""
-    for before, run in zip(runs, runs[1:], strict=False):
+    for before, run in pairwise(runs):
         if before.axis != run.axis:
             run.wish += -1 if before.end > before.start else 1
             before.wish += 1 if run.end > run.start else -1
@@ -144,21 +170,36 @@ def _touching(runs: list[_Run], margin: float) -> list[list[_Run]]:
     return groups
 
 
-def _assign(group: list[_Run], step: float, width: float) -> None:
-    """Put each run into the first free lane, the runs of a trip beside each other."""
+def _assign(group: list[_Run], margin: float) -> None:
+    """Put each run into the first free lane.
+
+    The runs of a trip lie beside each other, those that turn off to one side on that side,
+    long ones outside: that way few ways cross.
+    """
+    wishes: defaultdict[int, list[int]] = defaultdict(list)
+    for run in group:
+        wishes[run.trip].append(run.wish)
+    mean = {trip: sum(found) / len(found) for trip, found in wishes.items()}
+    reach = {run.trip: 0.0 for run in group}
+    for run in group:
+        reach[run.trip] = max(reach[run.trip], run.high - run.low)
+
+    def rank(run: _Run) -> tuple[float, ...]:
+        outside = reach[run.trip] if mean[run.trip] < 0 else -reach[run.trip]
+        return mean[run.trip], outside, run.trip, run.wish, run.index
+
     lanes: list[list[_Run]] = []
-    for run in sorted(group, key=lambda r: (r.trip, r.wish, r.index)):
+    for run in sorted(group, key=rank):
         for lane, taken in enumerate(lanes):
-            if all(run.low > r.high + step or r.low > run.high + step for r in taken):
+            if all(run.low > r.high + margin or r.low > run.high + margin for r in taken):
                 break
         else:
             lane = len(lanes)
             lanes.append([])
         lanes[lane].append(run)
-        run.lane = float(lane)
-    gap = min(step, width / len(lanes))
+        run.lane = lane
     for run in group:
-        run.lane = (run.lane - (len(lanes) - 1) / 2) * gap
+        run.lanes = len(lanes)
 
 
 def _joined(runs: list[_Run]) -> Line:
@@ -184,7 +225,7 @@ def _joined(runs: list[_Run]) -> Line:
 
 
 def _corner(run: _Run, after: _Run) -> XY:
-    across, along = run.across + run.lane, after.across + after.lane
+    across, along = run.across + run.off, after.across + after.off
     return (along, across) if run.axis == 0 else (across, along)
 
 
@@ -197,7 +238,7 @@ def rounded(corners: Sequence[XY], radius: float) -> list[tuple[str, XY]]:
         ``("move", point)``, ``("line", point)`` or ``("control", point)``; a control point
         is followed by the ``("curve", point)`` that the quadratic curve ends at.
     """
-    points = [corners[0], *(b for a, b in zip(corners, corners[1:], strict=False) if a != b)]
+    points = [corners[0], *(b for a, b in pairwise(corners) if a != b)]
     steps: list[tuple[str, XY]] = [("move", points[0])]
     for before, at, after in zip(points, points[1:], points[2:], strict=False):
         r = min(radius, math.dist(before, at) / 2, math.dist(at, after) / 2)

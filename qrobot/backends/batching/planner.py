@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
 from qrobot.backends.batching.ruin import Batches, Yard
 from qrobot.problem import Instance
 
-__all__ = ["BatchingPlanner"]
+__all__ = ["BatchingPlanner", "begin", "polished"]
 
 WARM, COLD = 0.1, 0.001
 """First and last temperature of the acceptance, as shares of the mean trip length."""
@@ -37,37 +38,71 @@ class BatchingPlanner:
         if not instance.orders:
             return Search(routes=[])
         yard = Yard(instance, seed, stop)
-        now = begin(yard, start)
-        best = now.copy()
-        told = math.inf
+        counter = _Counter(stop)
 
-        def tell() -> None:
-            nonlocal told
-            if not best.absent and best.cost < told:
-                told = best.cost
-                if on_best is not None:
-                    routes = yard.routes(best.tours)
-                    on_best(routes, instance.length(routes))
+        def tell(tours: list[list[int]]) -> None:
+            if on_best is not None:
+                routes = yard.routes(tours)
+                on_best(routes, instance.length(routes))
 
-        tell()
-        scale = sum(now.lengths) / max(1, sum(1 for tour in now.tours if tour))
-        rounds = 0
-        while not stop(rounds):
-            rounds += 1
-            done = _progress(stop, rounds)
-            heat = scale * WARM * (COLD / WARM) ** done
-            trial = now.copy()
-            changed = trial.ruin() | trial.recreate()
-            limit = now.cost - heat * math.log(max(yard.rng.random(), 1e-300))
-            if trial.cost < limit * 1.01 + heat:
-                trial.polish({t for t in changed if trial.tours[t]})
-            if trial.cost < limit:
-                now = trial
-                if now.cost < best.cost * (1 - 1e-12):
-                    best = now.copy()
-                    tell()
-        routes = None if best.absent else yard.routes(best.tours)
-        return Search(routes=routes, work=rounds, info={"absent": len(best.absent)})
+        routes = polished(yard, begin(yard, start), counter, tell)
+        return Search(routes=routes, work=counter.rounds)
+
+
+class _Counter(Stop):
+    """A stop that remembers how many rounds it was asked for."""
+
+    def __init__(self, stop: Stop) -> None:
+        super().__init__(None, stop.max_work, parent=stop)
+        self.rounds = 0
+
+    def __call__(self, work: int = 0) -> bool:
+        self.rounds = max(self.rounds, work)
+        return super().__call__(work)
+
+
+def polished(
+    yard: Yard,
+    now: Batches,
+    stop: Stop,
+    tell: Callable[[list[list[int]]], None] | None = None,
+) -> Routes | None:
+    """Ruin and recreate until `stop`; return the best routes, or None without a full plan.
+
+    Parameters
+    ----------
+    yard
+        The instance.
+    now
+        Where to start; changed.
+    stop
+        Asked every round.
+    tell
+        Told the tours of every better full plan.
+    """
+    best = now.copy()
+    told = math.inf
+    scale = sum(now.lengths) / max(1, sum(1 for tour in now.tours if tour))
+    rounds = 0
+    while True:
+        if not best.absent and best.cost < told:
+            told = best.cost
+            if tell is not None:
+                tell(best.tours)
+        if stop(rounds):
+            break
+        rounds += 1
+        heat = scale * WARM * (COLD / WARM) ** _progress(stop, rounds)
+        trial = now.copy()
+        changed = trial.ruin() | trial.recreate()
+        limit = now.cost - heat * math.log(max(yard.rng.random(), 1e-300))
+        if trial.cost < limit * 1.01 + heat:
+            trial.polish({t for t in changed if trial.tours[t]})
+        if trial.cost < limit:
+            now = trial
+            if now.cost < best.cost * (1 - 1e-12):
+                best = now.copy()
+    return None if best.absent else yard.routes(best.tours)
 
 
 def begin(yard: Yard, routes: Routes | None) -> Batches:

@@ -1,0 +1,83 @@
+"""The page docs/benchmarks.md, made from the measured JSON alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from qrobot.report.bench_faces import bench_markdown
+
+HEAD = """# Benchmarks
+
+Written by `make bench` from `benchmarks/results/*.json`; do not edit. Every part names the machine
+that it was measured on. `auto` and `pyvrp` get the same seconds and the same number of robots.
+"""
+
+
+def page(results: Path) -> str:
+    """Return the whole page from the results that are there."""
+    parts: dict[str, Callable[[dict[str, Any]], str]] = {
+        "startup": startup,
+        "paper": paper,
+        "raw": raw,
+        "examples": lambda r: bench_markdown(r, "The examples, 5 seconds"),
+        "qoblib": lambda r: bench_markdown(
+            r, "QOBLIB, 20 items, 4 robots, no slack, deadline 10 seconds"
+        ),
+        "cvrplib": lambda r: bench_markdown(
+            r, "CVRPLIB sets A, E and X (X: robots free), deadline 10 seconds"
+        ),
+    }
+    texts = [HEAD]
+    for name, write in parts.items():
+        path = results / f"{name}.json"
+        if path.exists():
+            texts.append(write(json.loads(path.read_text())))
+    return "\n".join(texts)
+
+
+def host(report: dict[str, Any]) -> str:
+    m = report["machine"]
+    return f"{m['processor']}, {m['cores']} cores, {m['memory_gb']} GB; Python {m['python']}."
+
+
+def startup(r: dict[str, Any]) -> str:
+    loaded = r["heavy_modules_loaded"]
+    ratio = (
+        f"{r['help_seconds']:.3f} s / {r['click_seconds']:.3f} s = {r['help_over_click']:.2f}"
+    )
+    return f"""## Starting up
+
+{host(r)}
+
+| what | measured |
+|---|--:|
+| `qrobot --help` / `python -c "import click"` | {ratio} |
+| `import qrobot` | {r["import_seconds"]:.3f} s |
+| heavy modules that `import qrobot` loads | {"none" if loaded == "[]" else loaded} |
+| building the reduced model, n = 12, K = 3 | {r["build_ms_n12_k3_reduced"]:.1f} ms |
+| peak memory of `qrobot solve` on the example | {r["example_peak_mb"]:.0f} MB |
+| the same with JSON, SVG and PNG written | {r["example_with_picture_peak_mb"]:.0f} MB |
+"""
+
+
+def paper(r: dict[str, Any]) -> str:
+    return f"""## Paper-shaped random instances
+
+{host(r)} n = 2 to 12 items, K = 1 to 4 robots, M = max(heaviest, ceil(1.1 W / K)); held against a
+subset dynamic programme that shares no code with the package (`tests/oracles.py`).
+
+| what | measured |
+|---|--:|
+| instances | {r["instances"]} |
+| equal to the subset programme | {r["equal"]} |
+| proven (optimal, or that no plan exists) | {r["proven"]} ({r["infeasible"]} without a plan) |
+| median | {1000 * r["median_seconds"]:.1f} ms |
+| worst | {1000 * r["worst_seconds"]:.0f} ms |
+"""
+
+
+def raw(r: dict[str, Any]) -> str:
+    return "\n".join(["## What `neal` finds by itself", "", host(r), "", r["markdown"]])

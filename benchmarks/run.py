@@ -1,0 +1,103 @@
+"""Measure on this machine and write docs/benchmarks.md anew: `make bench`.
+
+    python benchmarks/run.py                 # everything (about half an hour)
+    python benchmarks/run.py --only startup,paper
+    python benchmarks/run.py --pages         # write the page from the results that are there
+
+Each part writes benchmarks/results/PART.json; the page is made from those files alone. The
+instances of QOBLIB and CVRPLIB are not part of the project: their parts run where the folder
+`--data` (default ../shared/data) holds them. Let nothing else run meanwhile.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+RESULTS = HERE / "results"
+PAGE = ROOT / "docs" / "benchmarks.md"
+
+sys.path.insert(0, str(HERE))
+
+from pages import page  # noqa: E402
+
+from qrobot.report.machine import machine  # noqa: E402
+
+
+def keep(name: str, report: dict[str, Any]) -> None:
+    RESULTS.mkdir(exist_ok=True)
+    report.setdefault("machine", machine())
+    (RESULTS / f"{name}.json").write_text(json.dumps(report, indent=1) + "\n")
+
+
+def script(name: str, *arguments: str) -> dict[str, Any]:
+    """Run one of the scripts beside this one and return what it measured."""
+    out = ROOT / "build" / "bench" / f"{name}.json"
+    out.parent.mkdir(parents=True, exist_ok=True)
+    subprocess.run(
+        [sys.executable, str(HERE / f"{name}.py"), *arguments, "--json", str(out)],
+        check=True,
+        cwd=ROOT,
+    )
+    loaded: dict[str, Any] = json.loads(out.read_text())
+    return loaded
+
+
+def bench(folder: Path, *arguments: str) -> dict[str, Any]:
+    """Run `qrobot bench` and return its report."""
+    out = ROOT / "build" / "bench" / f"{folder.name}.json"
+    out.parent.mkdir(parents=True, exist_ok=True)
+    subprocess.run(
+        [sys.executable, "-m", "qrobot", "bench", str(folder), *arguments, "--json", str(out)],
+        cwd=ROOT,
+        check=False,  # an instance without a plan is a row, and a result
+    )
+    loaded: dict[str, Any] = json.loads(out.read_text())
+    return loaded
+
+
+def parts(data: Path) -> dict[str, Callable[[], dict[str, Any]]]:
+    found: dict[str, Callable[[], dict[str, Any]]] = {
+        "startup": lambda: script("startup"),
+        "paper": lambda: script("paper_shaped"),
+        "raw": lambda: script("raw_sampling"),
+        "examples": lambda: bench(ROOT / "examples", "--backends", "auto,batching,neal", "-t", "5"),
+    }
+    if (data / "qoblib").is_dir():
+        found["qoblib"] = lambda: bench(
+            data / "qoblib", "--backends", "auto,pyvrp", "-t", "10", "--robots", "4"
+        )
+    if (data / "cvrplib").is_dir():
+        found["cvrplib"] = lambda: bench(
+            data / "cvrplib", "--backends", "auto,pyvrp", "-t", "10", "--robots-for", "X-*=free"
+        )
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", help="parts, with commas")
+    parser.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data")
+    parser.add_argument("--pages", action="store_true", help="measure nothing, write the page")
+    arguments = parser.parse_args()
+    todo = parts(arguments.data)
+    if arguments.pages:
+        todo = {}
+    elif arguments.only:
+        todo = {name: todo[name] for name in arguments.only.split(",")}
+    for name, run in todo.items():
+        print(f"== {name}", flush=True)
+        keep(name, run())
+    PAGE.write_text(page(RESULTS))
+    print(f"written: {PAGE}")
+
+
+if __name__ == "__main__":
+    main()
