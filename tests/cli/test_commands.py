@@ -1,0 +1,300 @@
+"""The command line as programs and people meet it: output, files, exit codes, one sentence."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+
+
+def qrobot(*words: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": str(ROOT)} | dict(options.pop("env", {}))  # type: ignore[call-overload]
+    return subprocess.run(
+        [sys.executable, "-m", "qrobot", *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+        **options,  # type: ignore[arg-type]
+    )
+
+
+def one_sentence(done: subprocess.CompletedProcess[str]) -> str:
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, done.stderr
+    assert lines[0].startswith("qrobot: ")
+    assert "Traceback" not in done.stderr
+    return lines[0]
+
+
+def test_solve_prints_a_table_and_writes_a_plan_that_check_accepts(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.json"
+    question = EXAMPLES / "paper-7-items.json"
+    done = qrobot("solve", question, "-o", plan)
+    assert done.returncode == 0, done.stderr
+    assert "proven optimal" in done.stdout
+    assert "stops in sequence" in done.stdout
+    assert "written:" in done.stdout
+    checked = qrobot("check", plan, question)
+    assert checked.returncode == 0
+    assert checked.stdout.startswith("right: ")
+
+
+def test_json_is_all_that_is_printed() -> None:
+    done = qrobot("solve", EXAMPLES / "paper-4-items.json", "--json")
+    data = json.loads(done.stdout)
+    assert data["schema"] == "qrobot.plan/1"
+    assert data["result"]["is_optimal"] is True
+    assert {"build", "run", "return", "decode", "polish", "total"} <= set(data["result"]["timing"])
+    assert done.stderr == ""
+
+
+def test_pictures_are_written(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    svg, png = tmp_path / "plan.svg", tmp_path / "plan.png"
+    done = qrobot("solve", EXAMPLES / "paper-4-items.json", "-q", "-p", svg, "-p", png)
+    assert done.returncode == 0, done.stderr
+    assert svg.read_text().lstrip().startswith("<?xml")
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
+def test_check_finds_a_broken_plan(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.json"
+    question = EXAMPLES / "paper-7-items.json"
+    qrobot("solve", question, "-q", "-o", plan)
+    data = json.loads(plan.read_text())
+    lost = data["trips"][0]["stops"].pop()
+    plan.write_text(json.dumps(data))
+    done = qrobot("check", plan, question, "--json")
+    assert done.returncode == 1
+    report = json.loads(done.stdout)
+    assert not report["ok"]
+    assert any(lost in problem["text"] for problem in report["problems"])
+
+
+def test_orders_in_csv_and_split_orders() -> None:
+    done = qrobot("solve", EXAMPLES / "orders.csv", "--layout", EXAMPLES / "layout.json", "-t", "1")
+    assert done.returncode == 0, done.stderr
+    split = qrobot("solve", EXAMPLES / "orders.csv", "--split-orders", "-t", "1", "--json")
+    assert json.loads(split.stdout)["split_orders"] is True
+
+
+def test_robots_and_capacity_are_overridden() -> None:
+    question = EXAMPLES / "paper-4-items.json"
+    free = qrobot("solve", question, "--robots", "free", "--capacity", "8", "--json")
+    assert free.returncode == 0, free.stderr
+    assert all(trip["load"] <= 8 for trip in json.loads(free.stdout)["trips"])
+    few = qrobot("solve", question, "--robots", "1", "--capacity", "8")
+    assert few.returncode == 1
+    assert "total load 22 exceeds 1 x 8" in one_sentence(few)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (["solve", "missing.json"], 2, "missing.json"),
+        (["solve", "{empty}"], 2, "empty"),
+        (["solve", "{example}", "--backend", "nonsense"], 2, "use one of: auto, exact"),
+        (["solve", "{example}", "--deadline", "-1"], 2, "deadline"),
+        (["solve", "{example}", "--robots", "many"], 2, "--robots"),
+        (["solve", "{example}", "--capacity", "heavy"], 2, "capacity"),
+        (["solve", "{example}", "--output", "no/such/folder/plan.json"], 2, "does not exist"),
+        (["solve", "{example}", "--output", "{folder}"], 2, "is a folder"),
+        (["solve", "{example}", "--picture", "plan.jpg"], 2, ".svg or .png"),
+        (["check", "{example}", "{example}"], 2, "unknown schema"),
+        (["check", "{empty}", "{example}"], 2, "empty"),
+        (["bench", "{folder}"], 2, "holds no"),
+        (["bench", "missing-folder"], 2, "is no folder"),
+        (["bench", "{examples}", "--seeds", "0"], 2, "--seeds"),
+        (["bench", "{examples}", "--robots-for", "X=many"], 2, "--robots-for"),
+    ],
+)
+def test_wrong_use_gets_one_sentence(
+    words: list[str], code: int, says: str, tmp_path: Path
+) -> None:
+    empty = tmp_path / "empty.json"
+    empty.touch()
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    places = {
+        "example": EXAMPLES / "paper-4-items.json",
+        "examples": EXAMPLES,
+        "empty": empty,
+        "folder": folder,
+    }
+    done = qrobot(*[word.format(**places) for word in words], cwd=tmp_path)
+    assert done.returncode == code, done.stderr
+    assert says in one_sentence(done)
+
+
+def test_a_wrong_option_is_told_by_click_with_code_2() -> None:
+    done = qrobot("solve", "--no-such-option")
+    assert done.returncode == 2
+    assert "No such option" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_debug_shows_the_traceback() -> None:
+    done = qrobot("--debug", "solve", "missing.json")
+    assert done.returncode != 0
+    assert "Traceback" in done.stderr
+
+
+def test_a_full_disk_is_one_sentence() -> None:
+    if not Path("/dev/full").exists():
+        pytest.skip("/dev/full exists on Linux only")
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "qrobot", "backends"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            cwd=ROOT,
+        )
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert "No space left" in done.stderr
+
+
+def test_output_into_a_small_full_file_system(tmp_path: Path) -> None:
+    if os.geteuid() != 0:
+        pytest.skip("mounting a small file system needs root")
+    small = tmp_path / "small"
+    small.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", str(small)], check=False
+    )
+    if mounted.returncode:
+        pytest.skip("this machine does not allow mounting")
+    try:
+        (small / "plan.json").write_text("old")
+        done = qrobot(
+            "solve", EXAMPLES / "small-warehouse.json", "-t", "0.5", "-q", "-o", small / "plan.json"
+        )
+        assert done.returncode == 2
+        assert "No space left" in one_sentence(done)
+        assert (small / "plan.json").read_text() == "old"
+        assert [p.name for p in small.iterdir()] == ["plan.json"]
+    finally:
+        subprocess.run(["umount", str(small)], check=True)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_keeps_the_best_plan(number: signal.Signals, tmp_path: Path) -> None:
+    plan = tmp_path / "plan.json"
+    question = EXAMPLES / "small-warehouse.json"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "qrobot", "solve", str(question), "-t", "120", "-o", str(plan)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    wait_for_plan(process)
+    process.send_signal(number)
+    out, _ = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert "interrupted: the best plan so far" in out
+    assert qrobot("check", plan, question).returncode == 0
+
+
+def test_a_killed_run_leaves_the_old_file(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.json"
+    plan.write_text("old")
+    process = subprocess.Popen(
+        [
+            sys.executable, "-m", "qrobot", "solve", str(EXAMPLES / "small-warehouse.json"),
+            "-t", "120", "-o", str(plan),
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    wait_for_plan(process)
+    process.kill()
+    process.communicate(timeout=60)
+    assert plan.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["plan.json"]
+
+
+def wait_for_plan(process: subprocess.Popen[str]) -> None:
+    """Read the progress lines until one tells a distance."""
+    assert process.stderr is not None
+    limit = time.monotonic() + 60
+    while time.monotonic() < limit:
+        line = process.stderr.readline()
+        if "distance" in line:
+            return
+        assert line, "the command ended before it had a plan"
+    raise AssertionError("no plan within a minute")
+
+
+def test_backends_are_listed() -> None:
+    rows = {row["name"]: row for row in json.loads(qrobot("backends", "--json").stdout)}
+    assert {"exact", "pyvrp", "batching", "neal", "tabu"} <= set(rows)
+    assert rows["exact"]["proves"] is True
+    assert rows["batching"]["extra"] is None
+    assert "batching" in qrobot("backends").stdout
+
+
+def test_a_missing_extra_is_one_sentence_with_code_3(tmp_path: Path) -> None:
+    """A folder in front of site-packages hides PyVRP, as if it were not installed."""
+    hidden = tmp_path / "pyvrp.py"
+    hidden.write_text("raise ImportError('hidden')\n")
+    done = qrobot(
+        "solve", EXAMPLES / "paper-4-items.json", "-b", "pyvrp",
+        env={"PYTHONPATH": f"{tmp_path}:{ROOT}"},
+    )  # fmt: skip
+    assert done.returncode == 3
+    assert "pip install 'qrobot[planners]'" in one_sentence(done)
+
+
+def test_bench_compares_and_keeps_rows(tmp_path: Path) -> None:
+    for name in ("paper-4-items.json", "paper-7-items.json"):
+        (tmp_path / name).write_text((EXAMPLES / name).read_text())
+    (tmp_path / "broken.json").write_text("{")
+    (tmp_path / "index.json").write_text(json.dumps([{"file": "paper-4-items.json", "value": 50}]))
+    out, csv, md = (
+        tmp_path / "o" / "out.json",
+        tmp_path / "o" / "out.csv",
+        tmp_path / "o" / "out.md",
+    )
+    out.parent.mkdir()
+    done = qrobot(
+        "bench", tmp_path, "--backends", "auto,batching", "-t", "0.5", "--seeds", "1",
+        "--json", out, "--csv", csv, "--markdown", md,
+    )  # fmt: skip
+    assert done.returncode == 1, done.stderr  # the broken instance is a row with an error
+    rows = json.loads(out.read_text())["rows"]
+    assert len(rows) == 6
+    wanted = {
+        "instance", "backend", "seed", "cost", "bound", "reference", "gap", "proven", "feasible",
+        "seconds", "peak_mb",
+    }  # fmt: skip
+    assert all(wanted <= set(row) for row in rows)
+    assert [row["error"] is not None for row in rows] == [True, True, False, False, False, False]
+    four = [row for row in rows if row["instance"] == "paper-4-items"]
+    assert all(row["gap"] == pytest.approx(row["cost"] / 50 - 1) for row in four)
+    assert four[0]["proven"]
+    assert 10 < four[0]["peak_mb"] < 1000
+    assert csv.read_text().count("\n") == 7
+    assert "| auto |" in md.read_text()
+
+
+def test_help_has_examples_everywhere() -> None:
+    for name in ("solve", "check", "backends", "bench"):
+        done = qrobot(name, "--help")
+        assert done.returncode == 0
+        assert f"qrobot {name}" in done.stdout
+        assert "Examples:" in done.stdout

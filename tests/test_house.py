@@ -1,0 +1,113 @@
+"""Rules of the house: light imports, doors that list their exports, arrows that go down."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import qrobot
+from qrobot import errors
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "qrobot"
+
+HEAVY = {
+    "amazon", "braket", "dwave", "matplotlib", "numba", "ortools", "pandas", "pennylane", "pyvrp",
+    "qiskit", "scipy", "tensorflow",
+}  # fmt: skip
+
+FLOORS = ["problem", "plan", "models", "backends", "planning", "report", "cli"]
+MAY_IMPORT = {
+    "problem": set(),
+    "plan": {"problem"},
+    "models": {"problem"},
+    "backends": {"problem", "models"},
+    "planning": {"problem", "plan", "models", "backends"},
+    "report": {"problem", "plan", "models", "backends", "planning"},
+    "cli": {"problem", "plan", "models", "backends", "planning", "report"},
+}
+
+
+def loaded_by(statement: str) -> set[str]:
+    code = f"import sys; {statement}; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    return {name.split(".")[0] for name in done.stdout.split()}
+
+
+def test_importing_qrobot_loads_nothing_heavy() -> None:
+    assert not loaded_by("import qrobot") & (HEAVY | {"numpy", "pydantic", "dimod", "rich"})
+
+
+def test_help_loads_nothing_heavy() -> None:
+    statement = "from qrobot.cli import main\ntry: main(['--help'])\nexcept SystemExit: pass"
+    assert not loaded_by(f"exec({statement!r})") & (HEAVY | {"numpy", "pydantic", "dimod"})
+
+
+def test_exact_plans_need_nothing_heavy() -> None:
+    statement = (
+        "import qrobot; qrobot.solve(qrobot.read('examples/paper-7-items.json'), deadline=5)"
+    )
+    assert not loaded_by(statement) & HEAVY
+
+
+def test_the_door_lists_what_it_hands_out() -> None:
+    assert sorted(qrobot.__all__) == qrobot.__all__
+    for name in qrobot.__all__:
+        assert getattr(qrobot, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = qrobot.nonsense
+    assert set(dir(qrobot)) == set(qrobot.__all__)
+
+
+@pytest.mark.parametrize("room", FLOORS)
+def test_every_room_lists_its_exports(room: str) -> None:
+    door = importlib.import_module(f"qrobot.{room}")
+    assert door.__doc__
+    for name in door.__all__:
+        assert hasattr(door, name)
+
+
+@pytest.mark.parametrize("room", FLOORS)
+def test_arrows_go_down_only(room: str) -> None:
+    for path in (PACKAGE / room).rglob("*.py"):
+        for module in imported_at_run_time(ast.parse(path.read_text())):
+            parts = module.split(".")
+            if parts[0] == "qrobot" and len(parts) > 1 and parts[1] in FLOORS:
+                assert parts[1] == room or parts[1] in MAY_IMPORT[room], f"{path}: {module}"
+
+
+def imported_at_run_time(tree: ast.AST) -> list[str]:
+    found = []
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found.append(node.module)
+        elif isinstance(node, ast.Import):
+            found += [alias.name for alias in node.names]
+        found += imported_at_run_time(node)
+    return found
+
+
+def test_the_tree_of_errors_is_as_documented() -> None:
+    text = errors.__doc__ or ""
+    for name in errors.__all__:
+        error = getattr(errors, name)
+        assert name in text
+        assert issubclass(error, errors.QRobotError)
+    assert errors.InputError("x").exit_code == 2
+    assert errors.InfeasibleError("x").exit_code == 1
+    assert errors.MissingExtraError("x", "y").exit_code == 3
+    assert issubclass(errors.RemoteError, errors.BackendError)
+
+
+def test_no_registry_and_no_secret_in_locks() -> None:
+    for path in (ROOT / "locks").glob("*.txt"):
+        assert "://" not in path.read_text(), path
