@@ -51,6 +51,7 @@ def command(
       qrobot bench cvrplib/ --robots-for 'X-*=free' --markdown out.md --plot out.svg
     """
     from qrobot.backends import get
+    from qrobot.cli.signals import terminate_as_interrupt
     from qrobot.errors import InputError
     from qrobot.report.bench import BenchRow, find_instances, run_bench, tasks
     from qrobot.report.bench_faces import bench_csv, bench_markdown, bench_plot
@@ -90,7 +91,8 @@ def command(
             err=True,
         )
 
-    report = run_bench(todo, save=json_path, on_row=tell)
+    with terminate_as_interrupt():
+        report = run_bench(todo, save=json_path, on_row=tell)
     if csv_path:
         bench_csv(report, csv_path)
     text = bench_markdown(report, folder)
@@ -101,4 +103,7 @@ def command(
     if plot_path:
         bench_plot(report, plot_path)
     click.echo(bench_markdown(report, folder, rows=False))
+    if report["interrupted"]:
+        click.echo(f"interrupted: {len(report['rows'])} of {len(todo)} runs are kept", err=True)
+        sys.exit(130)
     sys.exit(0 if all(row["error"] is None or row["proven"] for row in report["rows"]) else 1)

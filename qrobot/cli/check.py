@@ -18,6 +18,7 @@ __all__ = ["command"]
 @click.option("--layout", type=click.Path(), help="Layout and robots of CSV orders.")
 @click.option("--robots", type=Robots(), help="The number of robots that the plan was made with.")
 @click.option("--capacity", help="The capacity that the plan was made with.")
+@click.option("--split-orders", is_flag=True, help="The orders were allowed to be split.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def command(
     plan: str,
@@ -25,17 +26,20 @@ def command(
     layout: str | None,
     robots: int | str | None,
     capacity: str | None,
+    split_orders: bool,
     as_json: bool,
 ) -> None:
     """Check a plan against its instance, without trusting any solver.
 
     Every item once, orders whole, loads within capacity, robots known, and every distance
-    measured anew. Exit code 0: right, 1: problems found, 2: a file cannot be read.
+    measured anew. Give --robots, --capacity and --split-orders as they were given to solve.
+    Exit code 0: right, 1: problems found, 2: a file cannot be read.
 
     \b
     Examples:
       qrobot check plan.json examples/small-warehouse.json
       qrobot check plan.json examples/small-warehouse.json --json
+      qrobot check plan.json orders.csv --layout layout.json --split-orders
     """
     from qrobot.plan import check
     from qrobot.problem.formats import read
@@ -43,7 +47,7 @@ def command(
 
     answer = read_plan(plan)
     question = read(
-        instance, layout=layout, robots=robots, capacity=capacity, split_orders=answer.split
+        instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
     )
     report = check(answer, question)
     if as_json:

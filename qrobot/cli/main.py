@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+import traceback
 from typing import Any
 
 import click
@@ -23,6 +24,10 @@ COMMANDS = {
 """Name and one line of help; the module of the same name holds the command."""
 
 
+class ReaderGoneError(Exception):
+    """The reader of our output went away; click would turn the plain error into code 1."""
+
+
 class LazyGroup(click.Group):
     """A group that imports a command only when it is called: `--help` stays fast on a Pi."""
 
@@ -36,6 +41,13 @@ class LazyGroup(click.Group):
             return None
         command: click.Command = importlib.import_module(f"qrobot.cli.{cmd_name}").command
         return command
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            raise ReaderGoneError from None
 
     def format_commands(self, _ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
@@ -61,13 +73,14 @@ def cli(debug: bool) -> None:
 
     Exit codes: 0 done, 1 infeasible or unhealthy, 2 bad input, 3 a backend failed.
     """
-    del debug  # read by `main`, which must know it whatever the command does
+    del debug  # taken out by `main`, which must know it whatever the command does
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its code; users see sentences, not tracebacks."""
     words = sys.argv[1:] if arguments is None else arguments
-    debug = "--debug" in words
+    debug = "--debug" in words  # wherever it stands
+    words = [word for word in words if word != "--debug"]
     try:
         code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
     except click.exceptions.Exit as done:
@@ -78,8 +91,8 @@ def main(arguments: list[str] | None = None) -> None:
     except (click.Abort, KeyboardInterrupt):
         click.echo("qrobot: interrupted", err=True)
         code = 130
-    except BrokenPipeError:
-        # The reader of our output went away; there is nobody left to tell.
+    except ReaderGoneError:
+        # There is nobody left to tell; what is still buffered must not raise at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
     except QRobotError as error:
@@ -98,6 +111,6 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:
     if debug:
-        raise error
+        traceback.print_exception(error)
     click.echo(f"qrobot: {' '.join(text.split())}", err=True)
     return code

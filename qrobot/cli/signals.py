@@ -9,7 +9,7 @@ from types import FrameType
 
 from qrobot.backends import Stop
 
-__all__ = ["stop_on_signals"]
+__all__ = ["stop_on_signals", "terminate_as_interrupt"]
 
 
 @contextmanager
@@ -29,3 +29,17 @@ def stop_on_signals() -> Iterator[Stop]:
     finally:
         for number, handler in usual.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def terminate_as_interrupt() -> Iterator[None]:
+    """Let a polite kill raise `KeyboardInterrupt`, as Ctrl-C does."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    usual = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, usual)

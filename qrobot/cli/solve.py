@@ -70,6 +70,7 @@ def command(
     """
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
+    from qrobot.errors import InfeasibleError, QRobotError
     from qrobot.planning import solve
     from qrobot.problem.formats import read
     from qrobot.report.outputs import check_writable
@@ -86,19 +87,35 @@ def command(
         question = read(
             instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
         )
-        result = solve(
-            question,
-            backend=backend,
-            deadline=deadline,
-            max_work=max_work,
-            seed=seed,
-            control=control,
-            stop=stop,
-            on_progress=line,
-            **{name: value for name, value in options.items() if value is not None},
-        )
-    if output:
-        result.save(output)
+        try:
+            result = solve(
+                question,
+                backend=backend,
+                deadline=deadline,
+                max_work=max_work,
+                seed=seed,
+                control=control,
+                stop=stop,
+                on_progress=line,
+                **{name: value for name, value in options.items() if value is not None},
+            )
+        except InfeasibleError as error:
+            if stop.requested and not error.proven:
+                raise click.Abort from None  # interrupted before there was a plan
+            raise
+    # The files first: a reader of the output that goes away must not cost the plan. A disk
+    # that is full must not cost it either, so the output comes before its error.
+    trouble = None
+    try:
+        if output:
+            result.save(output)
+        if picture:
+            from qrobot.report import plot
+
+            for path in picture:
+                plot(result, path)
+    except QRobotError as error:
+        trouble = error
     if as_json:
         click.echo(json.dumps(result.to_dict(), indent=1, ensure_ascii=False))
     elif not quiet:
@@ -106,11 +123,8 @@ def command(
 
         click.echo(table(result))
         click.echo(result.summary())
-    if picture:
-        from qrobot.report import plot
-
-        for path in picture:
-            plot(result, path)
+    if trouble is not None:
+        raise trouble
     if not (quiet or as_json):
         for path in [*([output] if output else []), *picture]:
             click.echo(f"written: {path}")

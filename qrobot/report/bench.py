@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -58,8 +59,8 @@ class BenchRow:
         The whole process, imports included.
     peak_mb
         Largest resident memory of the process, 10^6 bytes.
-    trips
-        Trips of the plan.
+    trips, robots
+        Trips of the plan, and robots that make them.
     error
         Why there is no plan.
     """
@@ -77,6 +78,7 @@ class BenchRow:
     wall_seconds: float | None = None
     peak_mb: float | None = None
     trips: int | None = None
+    robots: int | None = None
     sampler: dict[str, Any] | None = None
     error: str | None = field(default=None)
 
@@ -101,6 +103,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
         and path.name not in {"index.json", "layout.json"}
         and not path.name.endswith((".layout.json", ".schema.json"))
         and fnmatch.fnmatch(path.name, match if any(c in match for c in "*?[") else f"{match}*")
+        and not _is_answer(path)
     )
     if not found:
         raise InputError(
@@ -111,6 +114,19 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     return found
 
 
+def _is_answer(path: Path) -> bool:
+    """Return whether a file is a plan or a report that we wrote, not an instance."""
+    if path.suffix != ".json":
+        return False
+    try:
+        with path.open("rb") as file:
+            start = file.read(200)
+    except OSError:
+        return False  # reading the instance will tell why
+    return b'"qrobot.plan/' in start or b'"qrobot.bench/' in start
+
+
+@lru_cache(maxsize=64)
 def references(folder: Path) -> dict[str, float]:
     """Return the values of a folder's ``index.json`` by file name, when there is one."""
     index = folder / "index.json"
@@ -118,8 +134,9 @@ def references(folder: Path) -> dict[str, float]:
         return {}
     try:
         entries = json.loads(index.read_text(encoding="utf-8"))
-        return {Path(e["file"]).name: float(e["value"]) for e in entries if "value" in e}
-    except (ValueError, TypeError, KeyError) as error:
+        known = [e for e in entries if e.get("value") is not None]
+        return {Path(e["file"]).name: float(e["value"]) for e in known}
+    except (ValueError, TypeError, KeyError, AttributeError, OSError) as error:
         raise InputError(
             f"cannot be read ({type(error).__name__}: {error})",
             source=os.fspath(index),
@@ -182,6 +199,8 @@ def run_bench(
 ) -> dict[str, Any]:
     """Run all tasks, one after the other, and return the report.
 
+    Ctrl-C ends the running task; the report then holds the finished ones and says so.
+
     Parameters
     ----------
     todo
@@ -197,14 +216,20 @@ def run_bench(
         "machine": machine(),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "runs": len(todo),
+        "interrupted": False,
         "rows": [],
     }
-    for row in _rows(todo):
-        report["rows"].append(asdict(row))
+    try:
+        for row in _rows(todo):
+            report["rows"].append(asdict(row))
+            if save is not None:
+                write_text_atomic(save, json.dumps(report, indent=1) + "\n")
+            if on_row is not None:
+                on_row(len(report["rows"]), row)
+    except KeyboardInterrupt:
+        report["interrupted"] = True
         if save is not None:
             write_text_atomic(save, json.dumps(report, indent=1) + "\n")
-        if on_row is not None:
-            on_row(len(report["rows"]), row)
     return report
 
 
@@ -220,6 +245,7 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
                 text=True,
                 timeout=limit,
                 check=False,
+                start_new_session=True,  # Ctrl-C is for us: a run cut short is no row
             )
         except subprocess.TimeoutExpired:
             row.error = f"did not end within {limit:g} s"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import re
 import statistics
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +17,7 @@ __all__ = ["bench_csv", "bench_markdown", "bench_plot", "summaries"]
 
 COLUMNS = (
     "instance", "backend", "seed", "cost", "bound", "reference", "gap", "proven", "feasible",
-    "seconds", "peak_mb", "trips", "wall_seconds", "error",
+    "seconds", "peak_mb", "trips", "robots", "wall_seconds", "error",
 )  # fmt: skip
 EXACT = 1e-9
 """Relative: a cost this close to the reference matches it."""
@@ -32,29 +33,45 @@ def bench_csv(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
 
 
 def summaries(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return one line a backend: how many, how good, how fast."""
-    lines = []
-    for backend in dict.fromkeys(row["backend"] for row in rows):
-        own = [row for row in rows if row["backend"] == backend]
-        gaps = [row["gap"] for row in own if row["gap"] is not None]
-        seconds = [row["seconds"] for row in own if row["seconds"] is not None]
-        peaks = [row["peak_mb"] for row in own if row["peak_mb"] is not None]
-        lines.append(
-            {
-                "backend": backend,
-                "runs": len(own),
-                "feasible": sum(row["feasible"] for row in own),
-                "proven": sum(row["proven"] for row in own),
-                "referenced": len(gaps),
-                "matched": sum(gap <= EXACT for gap in gaps),
-                "mean_gap": statistics.fmean(gaps) if gaps else None,
-                "worst_gap": max(gaps, default=None),
-                "median_seconds": statistics.median(seconds) if seconds else None,
-                "worst_seconds": max(seconds, default=None),
-                "worst_peak_mb": max(peaks, default=None),
-            }
-        )
+    """Return one line a backend: how many, how good, how fast.
+
+    Where the names tell several sets (the letters that ``A-n32-k5`` begins with), a line
+    for each set follows.
+    """
+    backends = list(dict.fromkeys(row["backend"] for row in rows))
+    sets = list(dict.fromkeys(_set(row) for row in rows))
+    lines = [_summary([r for r in rows if r["backend"] == b], b, None) for b in backends]
+    if len(sets) > 1 and None not in sets:
+        for part in sets:
+            for b in backends:
+                own = [r for r in rows if r["backend"] == b and _set(r) == part]
+                lines += [_summary(own, b, part)] if own else []
     return lines
+
+
+def _set(row: dict[str, Any]) -> str | None:
+    found = re.match(r"([A-Za-z]+)-n\d", row["instance"])
+    return found[1] if found else None
+
+
+def _summary(rows: Sequence[dict[str, Any]], backend: str, part: str | None) -> dict[str, Any]:
+    gaps = [row["gap"] for row in rows if row["gap"] is not None]
+    seconds = [row["seconds"] for row in rows if row["seconds"] is not None]
+    peaks = [row["peak_mb"] for row in rows if row["peak_mb"] is not None]
+    return {
+        "backend": backend,
+        "set": part,
+        "runs": len(rows),
+        "feasible": sum(row["feasible"] for row in rows),
+        "proven": sum(row["proven"] for row in rows),
+        "referenced": len(gaps),
+        "matched": sum(gap <= EXACT for gap in gaps),
+        "mean_gap": statistics.fmean(gaps) if gaps else None,
+        "worst_gap": max(gaps, default=None),
+        "median_seconds": statistics.median(seconds) if seconds else None,
+        "worst_seconds": max(seconds, default=None),
+        "worst_peak_mb": max(peaks, default=None),
+    }
 
 
 def bench_markdown(report: dict[str, Any], title: str, *, rows: bool = True) -> str:
@@ -74,7 +91,8 @@ def bench_markdown(report: dict[str, Any], title: str, *, rows: bool = True) -> 
         "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
     ]
     lines += [
-        f"| {s['backend']} | {s['runs']} | {s['feasible']} | {s['proven']} "
+        f"| {s['backend']}{', set ' + s['set'] if s['set'] else ''} | {s['runs']} "
+        f"| {s['feasible']} | {s['proven']} "
         f"| {s['matched']} of {s['referenced']} | {_percent(s['mean_gap'])} "
         f"| {_percent(s['worst_gap'])} | {_number(s['median_seconds'])} "
         f"| {_number(s['worst_seconds'])} | {_number(s['worst_peak_mb'], 0)} |"
@@ -127,7 +145,8 @@ def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
         axes.set_xlabel("seconds of solve")
         axes.set_ylabel("gap to the reference, %" if with_gap else "distance")
         axes.grid(alpha=0.3)
-        axes.legend()
+        if axes.get_lines():
+            axes.legend()
         save(figure, path)
 
 

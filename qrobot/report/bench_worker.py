@@ -9,6 +9,7 @@ import json
 import resource
 import sys
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from qrobot.errors import InfeasibleError, QRobotError
@@ -43,11 +44,27 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
             "feasible": True,
             "seconds": result.timing.total,
             "trips": len(result.plan.trips),
+            "robots": result.plan.robots_used,
             "sampler": asdict(result.sampler) if result.sampler else None,
         }
-    row["peak_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6
+    row["peak_mb"] = _peak_mb()
     return row
 
 
+def _peak_mb() -> float:
+    """Return the largest resident memory of this process, 10^6 bytes.
+
+    Linux counts the memory of the process that started this one into `ru_maxrss`, so a
+    large parent would show as a large run; its ``VmHWM`` begins anew with the program.
+    """
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+        line = next(line for line in status.splitlines() if line.startswith("VmHWM:"))
+        return int(line.split()[1]) * 1024 / 1e6
+    except (OSError, StopIteration, ValueError, IndexError):
+        scale = 1 if sys.platform == "darwin" else 1024
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale / 1e6
+
+
 if __name__ == "__main__":
-    print(json.dumps(run(json.loads(sys.argv[1]))))
+    sys.stdout.write(json.dumps(run(json.loads(sys.argv[1]))) + "\n")

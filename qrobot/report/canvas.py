@@ -15,25 +15,20 @@ from typing import Any
 
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from qrobot.report.lanes import XY, Line, rounded
-from qrobot.report.palette import DEPOT, INK
-from qrobot.report.scene import Journey, Scene, number
+from qrobot.report.legend import DASHES, GREY, Legend, Patch, depot_marker
+from qrobot.report.scene import Journey, Scene
 
 __all__ = ["Canvas", "Look"]
 
 POINTS = 72.0
 MAP = (9.0, 6.6)  # inches, at most
 LEAST = (3.8, 3.2)
-PANEL, TOP, EDGE = 3.05, 0.92, 0.3
-ROW = 0.44
-MOST_ROWS = 40
-
-SOLID: Any = "solid"
-DASHES: tuple[Any, ...] = (SOLID, (0, (5, 1.6)), (0, (2.2, 1.2)), (0, (6, 1.4, 1.4, 1.4)))
+TOP, EDGE = 0.92, 0.3
+LEAST_LEGEND = 4.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,37 +62,35 @@ class Canvas:
         What is drawn.
     low, high
         Corners of the map, metres.
-    extra
-        Rows of the legend below the robots: label, face colour and hatch of a patch.
+    patches
+        Rows of the legend below the trips.
+    frame
+        Room for numbers at the left and the bottom of the map, inches.
     """
 
     def __init__(
-        self, scene: Scene, low: XY, high: XY, extra: Sequence[tuple[str, str, str]] = ()
+        self, scene: Scene, low: XY, high: XY, patches: Sequence[Patch] = (), *, frame: float = 0.0
     ) -> None:
-        self.scene = scene
         width, height = max(high[0] - low[0], 1e-6), max(high[1] - low[1], 1e-6)
-        self.scale = min(MAP[0] / width, MAP[1] / height)
+        crowd = 1 + 0.5 * min(scene.instance.size / 1000, 1)
+        self.scale = min(MAP[0] * crowd / width, MAP[1] * crowd / height)
         inner = max(width * self.scale, LEAST[0]), max(height * self.scale, LEAST[1])
-        rows = min(len(scene.journeys), MOST_ROWS) + len(extra) + 2
-        columns = 1 + rows * ROW // (max(inner[1], MAP[1]) + 0.3)
-        self._columns = int(columns)
-        per_column = -(-rows // self._columns)
-        sheet = (
-            inner[0] + 2 * EDGE + PANEL * self._columns,
-            max(inner[1], per_column * ROW) + TOP + EDGE,
-        )
+        legend = Legend(scene, patches, height=max(inner[1], LEAST_LEGEND))
+        panel = (legend.pitch * legend.columns, legend.per_column * legend.row)
+        tall = max(inner[1] + frame, panel[1])
+        sheet = inner[0] + frame + 2 * EDGE + panel[0], tall + TOP + EDGE
         self.figure = Figure(figsize=sheet, facecolor="white")
-        self.axes = self._axes(EDGE, EDGE, inner[0], sheet[1] - TOP - EDGE)
-        spare = (
-            inner[0] / self.scale - width,
-            (sheet[1] - TOP - EDGE) / self.scale - height,
-        )
+        self.axes = self._axes(EDGE + frame, EDGE + frame, inner[0], tall - frame)
+        spare = inner[0] / self.scale - width, (tall - frame) / self.scale - height
         self.axes.set_xlim(low[0] - spare[0] / 2, high[0] + spare[0] / 2)
         self.axes.set_ylim(low[1] - spare[1] / 2, high[1] + spare[1] / 2)
         self.axes.set_axis_off()
-        self.sheet = sheet
-        self._title()
-        self._legend(extra, per_column)
+        beside = self._axes(sheet[0] - panel[0] - 0.1, EDGE, panel[0], tall)
+        beside.set_axis_off()
+        beside.set_xlim(0, panel[0])
+        beside.set_ylim(tall, 0)
+        legend.draw(beside)
+        self._title(scene)
 
     def _axes(self, left: float, bottom: float, width: float, height: float) -> Any:
         w, h = self.figure.get_size_inches()
@@ -111,71 +104,14 @@ class Canvas:
         """Return how many points on the sheet a length of the floor is."""
         return metres * self.scale * POINTS
 
-    def _title(self) -> None:
-        w, h = self.sheet
-        title = self.scene.title
-        size = min(15.0, 15.0 * (w - 2 * EDGE) * 7.6 / max(len(title), 1) / 1.0)
-        self.figure.text(
-            EDGE / w, 1 - 0.36 / h, title, size=size, weight="bold", va="center", gid="title"
-        )
-        self.figure.text(
-            EDGE / w, 1 - 0.66 / h, self.scene.subtitle, size=10.5, color="#5b6673", va="center"
-        )
-
-    # -- the legend ------------------------------------------------------------------
-
-    def _legend(self, extra: Sequence[tuple[str, str, str]], per_column: int) -> None:
-        w, h = self.sheet
-        panel = self._axes(
-            w - PANEL * self._columns - 0.1, EDGE, PANEL * self._columns, h - TOP - EDGE
-        )
-        panel.set_axis_off()
-        panel.set_xlim(0, PANEL * self._columns)
-        panel.set_ylim(h - TOP - EDGE, 0)
-        spots = [
-            (PANEL * (i // per_column) + 0.25, ROW * (i % per_column) + 0.22)
-            for i in range(per_column * self._columns)
-        ]
-        shown = self.scene.journeys[:MOST_ROWS]
-        for (x, y), journey in zip(spots, shown, strict=False):
-            self._robot_row(panel, x, y, journey)
-        spots = spots[len(shown) :]
-        if hidden := len(self.scene.journeys) - len(shown):
-            x, y = spots.pop(0)
-            panel.text(x, y, f"and {hidden} more trips", size=9, va="center")
-        x, y = spots.pop(0)
-        panel.plot([x + 0.17], [y], **_depot_marker(11))
-        panel.text(x + 0.45, y, "depot: every trip starts and ends here", size=8.5, va="center")
-        for (x, y), (label, face, hatch) in zip(spots, extra, strict=False):
-            panel.add_patch(
-                Rectangle(
-                    (x + 0.04, y - 0.09), 0.26, 0.18, fc=face, ec="#9aa5b1", lw=0.6, hatch=hatch
-                )
-            )
-            panel.text(x + 0.45, y, label, size=8.5, va="center")
-
-    def _robot_row(self, panel: Any, x: float, y: float, journey: Journey) -> None:
-        trip, colour = journey.trip, journey.colour
-        dashes = DASHES[journey.turn % len(DASHES)]
-        panel.add_line(
-            Line2D([x, x + 0.34], [y, y], color=colour.edge, lw=5.2, solid_capstyle="round")
-        )
-        panel.add_line(
-            Line2D(
-                [x, x + 0.34], [y, y], color=colour.fill, lw=4, ls=dashes, solid_capstyle="round"
-            )
-        )
-        stops = f"{len(trip.stops)} stop" + ("s" if len(trip.stops) != 1 else "")
-        panel.text(x + 0.45, y - 0.085, journey.name, size=10, weight="bold", va="center")
-        panel.text(
-            x + 0.45,
-            y + 0.1,
-            f"{self.scene.length(trip.distance)}, {stops}, "
-            f"load {number(trip.load)} of {number(journey.capacity)}",
-            size=8.5,
-            color="#5b6673",
-            va="center",
-        )
+    def _title(self, scene: Scene) -> None:
+        w, h = self.figure.get_size_inches()
+        title = scene.title
+        # A bold letter is about 0.7 of its size wide.
+        size = min(15.0, (w - 2 * EDGE) * POINTS / (0.7 * len(title)))
+        place = {"x": EDGE / w, "va": "center"}
+        self.figure.text(y=1 - 0.36 / h, s=title, size=size, weight="bold", gid="title", **place)
+        self.figure.text(y=1 - 0.66 / h, s=scene.subtitle, size=10.5, color=GREY, **place)
 
     # -- what is drawn on the map ------------------------------------------------------
 
@@ -191,8 +127,8 @@ class Canvas:
         common = {"fill": False, "capstyle": "round", "joinstyle": "round", "zorder": level}
         for extra, shade in ((look.halo, "white"), (look.line * 0.45, colour.edge)):
             if extra:
-                self.axes.add_patch(PathPatch(path, ec=shade, lw=look.line + extra, **common))
-        self.axes.add_patch(
+                self.axes.add_artist(PathPatch(path, ec=shade, lw=look.line + extra, **common))
+        self.axes.add_artist(
             PathPatch(
                 path,
                 ec=colour.fill,
@@ -204,7 +140,7 @@ class Canvas:
         )
         heads = [self._head(at, ahead, look) for at, ahead in self._spots(line, look)]
         if heads:
-            self.axes.add_collection(
+            self.axes.add_artist(
                 PolyCollection(
                     heads,
                     facecolors=colour.fill,
@@ -217,6 +153,8 @@ class Canvas:
 
     def _spots(self, line: Line, look: Look) -> list[tuple[XY, XY]]:
         """Return where arrows stand and their directions: not at corners, nor at stops."""
+        if line.heads is not None:
+            return line.heads
         found = []
         gap, least = self.metres(look.every), self.metres(look.arrow * 2.2)
         free = self.metres(look.arrow)
@@ -270,7 +208,7 @@ class Canvas:
 
     def depot(self, at: XY, *, label: XY, align: tuple[str, str]) -> None:
         """Draw the depot and its label; gid ``depot``."""
-        self.axes.plot([at[0]], [at[1]], gid="depot", zorder=8, **_depot_marker(15))
+        self.axes.plot([at[0]], [at[1]], gid="depot", zorder=8, **depot_marker(15))
         self.axes.annotate(
             "depot",
             at,
@@ -280,12 +218,9 @@ class Canvas:
             va=align[1],
             size=10,
             weight="bold",
-            zorder=9,
+            bbox={"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.85},
+            zorder=7.5,
         )
-
-
-def _depot_marker(size: float) -> dict[str, Any]:
-    return {"ls": "none", "marker": "s", "ms": size, "mfc": DEPOT, "mec": INK, "mew": 1.4}
 
 
 def _near(at: XY, stops: list[XY], distance: float) -> bool:

@@ -50,18 +50,19 @@ def draw_aisles(scene: Scene) -> Any:
     low = (-house.aisle_pitch / 2, min(-sizes.cross, y))
     high = (width + house.aisle_pitch / 2, max(depth + sizes.cross, y))
     room = 0.055 * max(high[0] - low[0], high[1] - low[1])
-    closed = bool(house.closed_aisles or house.closed_crossings)
-    extra = [("slot; numbers: stops in sequence", RACK, ""), *([("closed", CLOSED, "////")] if closed else [])]
+    patches = [("slot; numbers: stops in sequence", RACK, "")]
+    if house.closed_aisles or house.closed_crossings:
+        patches.append(("closed", CLOSED, "////"))
     canvas = Canvas(
-        scene, (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room), extra
+        scene, (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room), patches
     )
     _floor(canvas, house, sizes)
     _closed(canvas, house, sizes)
-    widths = (1.8 * sizes.cross, 1.8 * sizes.aisle)
+    widths = (1.9 * sizes.cross, 1.9 * sizes.aisle)
     lanes = Lanes([journey.legs for journey in scene.journeys], margin=canvas.metres(6))
-    line = max(0.5, min(2.5, canvas.points(lanes.widest_gap(widths)) / 1.8))
-    look = Look(line=line, halo=0.6 * line, arrow=max(3.0, 3.2 * line), every=110)
-    lines = lanes.lines(step=canvas.metres(1.9 * line), widths=widths)
+    line = max(0.9, min(2.5, canvas.points(lanes.widest_gap(widths)) / 1.7))
+    look = Look(line=line, halo=0.5 * line, arrow=max(3.6, 3.2 * line), every=110)
+    lines = lanes.lines(step=canvas.metres(2.1 * line), widths=widths)
     for journey, drawn in zip(scene.journeys, lines, strict=True):
         canvas.way(journey, drawn, look, bend=canvas.metres(2.2 * line))
         canvas.halts(journey, drawn.stops, size=max(1.2, 1.9 * line))
@@ -96,7 +97,7 @@ def _floor(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
     axes = canvas.axes
     width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
     left, right = -house.aisle_pitch / 2, width + house.aisle_pitch / 2
-    axes.add_patch(
+    axes.add_artist(
         Rectangle(
             (left, -sizes.cross),
             right - left,
@@ -116,7 +117,7 @@ def _floor(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
         for side in ("left", "right")
     ]
     thin = max(0.1, min(0.8, canvas.points(sizes.slot) / 14))
-    axes.add_collection(
+    axes.add_artist(
         PolyCollection(
             racks, facecolors=RACK, edgecolors="white", linewidths=thin, zorder=1, gid="racks"
         )
@@ -141,7 +142,7 @@ def _closed(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
             (x + sizes.aisle, y - sizes.cross, house.aisle_pitch - 2 * sizes.aisle, 2 * sizes.cross)
         )
     for n, (left, bottom, width, height) in enumerate(boxes, 1):
-        canvas.axes.add_patch(
+        canvas.axes.add_artist(
             Rectangle(
                 (left, bottom),
                 width,
@@ -186,7 +187,7 @@ def _picks(
     for j, polygons in boxes.items():
         colour = NOT_PICKED if j < 0 else scene.journeys[j].colour
         name = "not-picked" if j < 0 else f"trip-{scene.journeys[j].number}-picks"
-        canvas.axes.add_collection(
+        canvas.axes.add_artist(
             PolyCollection(
                 polygons,
                 facecolors=colour.fill,
@@ -197,7 +198,7 @@ def _picks(
             )
         )
     for j, segments in arms.items():
-        canvas.axes.add_collection(
+        canvas.axes.add_artist(
             LineCollection(
                 segments,
                 colors=scene.journeys[j].colour.edge,
@@ -209,28 +210,32 @@ def _picks(
 
 def _number(canvas: Canvas, at: XY, box: XY, stops: list[int], scene: Scene, journey: int) -> None:
     first, last = stops[0] + 1, stops[-1] + 1
+    texts = [f"{first}+"]
     if first == last:
-        text = f"{first}"
+        texts = [f"{first}"]
     elif last - first == len(stops) - 1:
-        text = f"{first}-{last}"
-    else:
-        text = f"{first},{last}" if len(stops) == 2 else f"{first}+"
-    size = min(8.5, canvas.points(box[1]) * 0.78, canvas.points(box[0]) * 0.92 / (0.64 * len(text)))
-    if size >= 3.2:
-        canvas.axes.text(
-            *at,
-            text,
-            size=size,
-            color=scene.journeys[journey].colour.text,
-            weight="bold",
-            ha="center",
-            va="center_baseline",
-            zorder=7,
-        )
+        texts = [f"{first}-{last}", *texts]
+    elif len(stops) == 2:
+        texts = [f"{first},{last}", *texts]
+    for text in texts:
+        wide = canvas.points(box[0]) * 0.92 / (0.64 * len(text))
+        size = min(8.5, canvas.points(box[1]) * 0.78, wide)
+        if size >= 3.4:
+            canvas.axes.text(
+                *at,
+                text,
+                size=size,
+                color=scene.journeys[journey].colour.text,
+                weight="bold",
+                ha="center",
+                va="center_baseline",
+                zorder=7,
+            )
+            return
 
 
 def _names(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes, *, above: bool) -> None:
-    """Number the aisles on the side away from the depot."""
+    """Write the numbers of the aisles on the side away from the depot."""
     y = house.blocks * house.block_length + sizes.cross if above else -sizes.cross
     offset = 5 if above else -5
     every = 1 + int(house.aisles * 17 / max(canvas.points((house.aisles) * house.aisle_pitch), 1))
@@ -245,4 +250,3 @@ def _names(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes, *, above: bool)
             size=7.5,
             color="#5b6673",
         )
-

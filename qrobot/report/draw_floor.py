@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from typing import Any
 
 from qrobot.problem import DistanceTable, OpenFloor
 from qrobot.report.canvas import Canvas, Look
+from qrobot.report.labels import placed, spread
+from qrobot.report.lanes import XY, Lanes, Line
+from qrobot.report.legend import GREY
 from qrobot.report.scene import Scene, number
 
 __all__ = ["draw_floor"]
+
+MOST_NAMES = 25
+"""Larger floors show no names of items."""
 
 
 def draw_floor(scene: Scene) -> Any:
@@ -22,21 +30,48 @@ def draw_floor(scene: Scene) -> Any:
     # A line of points still gets a sheet that looks like a floor.
     thin = [max(0.0, 0.3 * span - (high[k] - low[k])) / 2 for k in (0, 1)]
     pad = 0.075 * span
+    named = scene.instance.size <= MOST_NAMES
     canvas = Canvas(
         scene,
         (low[0] - thin[0] - pad, low[1] - thin[1] - pad),
         (high[0] + thin[0] + pad, high[1] + thin[1] + pad),
+        [("small text: item (weight)", "", "")] if named and spots else [],
+        frame=0.0 if isinstance(house, DistanceTable) else 0.22,
     )
     _frame(canvas, house)
-    marker = _marker(canvas, spots)
-    line = max(0.9, min(2.3, marker / 6))
-    look = Look(line=line, halo=1.2, arrow=max(4.0, 3.4 * line), every=1e9)
-    lines = _lines(canvas, scene, house, look)
+    size = _marker(canvas, len(set(spots)))
+    line = max(0.9, min(2.3, size / 6))
+    look = Look(line=line, halo=0.5 * line, arrow=max(4.0, 3.4 * line), every=1e9)
+    lines = _lines(canvas, scene, house, look, size)
     for journey, drawn in zip(scene.journeys, lines, strict=True):
-        canvas.way(journey, drawn.corners, look, bend=canvas.metres(2.5 * line))
-    _points(canvas, scene, marker)
-    canvas.depot(house.depot, label=(0, -11), align=("center", "top"))
+        canvas.way(journey, drawn, look, bend=canvas.metres(2.5 * line))
+    marks = spread(spots, canvas.metres(0.9 * size))
+    _points(canvas, scene, dict(zip(_ids(scene), marks, strict=True)), size)
+    # The depot's name comes last in the queue for a free side, but is always drawn.
+    texts = [f"{i.id} ({number(i.weight)})" for i in scene.instance.items] if named else []
+    sides = placed(
+        [_on_sheet(canvas, at) for at in (*(marks if named else ()), house.depot)],
+        [*((4.7 * len(text), 8.0) for text in texts), (36.0, 11.0)],
+        size / 2,
+        [(_on_sheet(canvas, house.depot), 8.0), *((_on_sheet(canvas, m), size / 2) for m in marks)],
+        [[_on_sheet(canvas, corner) for corner in drawn.corners] for drawn in lines],
+    )
+    for text, at, (offset, ha, va) in zip(texts, marks, sides, strict=False):
+        canvas.axes.annotate(
+            text, at, xytext=offset, textcoords="offset points", ha=ha, va=va,
+            size=7.5, color=GREY, zorder=5.5,
+        )  # fmt: skip
+    (dx, dy), ha, va = sides[-1]
+    canvas.depot(house.depot, label=(dx + math.copysign(4, dx) * bool(dx), dy), align=(ha, va))
     return canvas.figure
+
+
+def _ids(scene: Scene) -> list[str]:
+    return [item.id for item in scene.instance.items]
+
+
+def _on_sheet(canvas: Canvas, at: XY) -> XY:
+    return canvas.points(at[0]), canvas.points(at[1])
 
 
 def _frame(canvas: Canvas, house: OpenFloor | DistanceTable) -> None:
@@ -52,73 +87,76 @@ def _frame(canvas: Canvas, house: OpenFloor | DistanceTable) -> None:
         side.set_color("#c3ccd6")
 
 
-def _marker(canvas: Canvas, spots: Sequence[XY]) -> float:
-    """Return the size of the items' markers, points: they should hardly overlap."""
-    box = canvas.axes.get_window_extent()
-    area = box.width * box.height / canvas.figure.dpi**2 * 72**2
-    return max(2.0, min(17.0, 0.62 * math.sqrt(area / max(len(set(spots)), 1)) * 0.5))
+def _marker(canvas: Canvas, count: int) -> float:
+    """Return the size of the items' marks, points: they should hardly overlap."""
+    (left, right), (low, high) = canvas.axes.get_xlim(), canvas.axes.get_ylim()
+    area = canvas.points(right - left) * canvas.points(high - low)
+    return max(2.4, min(17.0, 0.3 * math.sqrt(area / max(count, 1))))
 
 
-def _lines(canvas: Canvas, scene: Scene, house: OpenFloor | DistanceTable, look: Look) -> list[Line]:
+def _lines(
+    canvas: Canvas, scene: Scene, house: OpenFloor | DistanceTable, look: Look, size: float
+) -> list[Line]:
     legs = [journey.legs for journey in scene.journeys]
     if isinstance(house, OpenFloor) and house.metric == "manhattan":
         room = canvas.metres(30)
         lanes = Lanes(legs, margin=canvas.metres(4))
         return lanes.lines(step=canvas.metres(1.9 * look.line), widths=(room, room))
     ends = Counter(frozenset((leg[0], leg[-1])) for trip in legs for leg in trip)
-    return [
-        Line(
-            [trip[0][0], *(p for leg in trip for p in _leg(leg, ends))],
-            [leg[-1] for leg in trip[:-1]],
-        )
-        for trip in legs
-    ]
+    least = canvas.metres(2.2 * look.arrow + size)
+    found = []
+    for trip in legs:
+        curves = [
+            _curve(leg[0], leg[-1], bow=ends[frozenset((leg[0], leg[-1]))] > 1) for leg in trip
+        ]
+        heads = [_head(c) for c in curves if math.dist(c[0], c[-1]) > least]
+        corners = [trip[0][0], *(point for curve in curves for point in curve[1:])]
+        found.append(Line(corners, [leg[-1] for leg in trip[:-1]], heads))
+    return found
 
 
-def _leg(leg: Sequence[XY], ends: Counter[frozenset[XY]]) -> list[XY]:
-    """Return the points after the first; a leg that others share bows to its right."""
-    (ax, ay), (bx, by) = leg[0], leg[-1]
-    if ends[frozenset((leg[0], leg[-1]))] < 2 or leg[0] == leg[-1]:
-        return list(leg[1:])
-    bow, points = 0.05, []
-    for k in range(1, 17):
+def _curve(a: XY, b: XY, *, bow: bool) -> list[XY]:
+    """Return the points of a leg; one that others share bows to its right."""
+    if not bow or a == b:
+        return [a, b]
+    (dx, dy), points = (b[0] - a[0], b[1] - a[1]), []
+    for k in range(17):
         t = k / 16
-        off = 4 * bow * t * (1 - t)
-        points.append((ax + (bx - ax) * t + (by - ay) * off, ay + (by - ay) * t - (bx - ax) * off))
+        off = 0.2 * t * (1 - t)
+        points.append((a[0] + dx * t + dy * off, a[1] + dy * t - dx * off))
     return points
 
 
-def _points(canvas: Canvas, scene: Scene, size: float) -> None:
-    """Draw the items: coloured and numbered by stop, small floors with their names."""
+def _head(curve: list[XY]) -> tuple[XY, XY]:
+    """Return where a leg's arrow stands, a little before the middle, and its direction."""
+    (ax, ay), (bx, by) = (curve[len(curve) * 3 // 8 - 1], curve[len(curve) * 3 // 8])
+    if len(curve) == 2:
+        (ax, ay), (bx, by) = curve
+    length = math.dist((ax, ay), (bx, by))
+    share = 0.42 if len(curve) == 2 else 0.5
+    at = ax + (bx - ax) * share, ay + (by - ay) * share
+    return at, ((bx - ax) / length, (by - ay) / length)
+
+
+def _points(canvas: Canvas, scene: Scene, marks: dict[str, XY], size: float) -> None:
+    """Draw the items, coloured by robot and numbered by stop."""
     axes = canvas.axes
-    house = scene.instance.warehouse
-    few = scene.instance.size <= 25
-    picked = set()
+    shape: dict[str, Any] = {"ls": "none", "marker": "o", "ms": size, "mew": min(1.1, size / 9)}
     for journey in scene.journeys:
-        spots = [house.position(item.place) for item in journey.items]
-        picked |= {item.id for item in journey.items}
+        spots = [marks.pop(item.id) for item in journey.items if item.id in marks]
         axes.plot(
-            [x for x, _ in spots], [y for _, y in spots], ls="none", marker="o", ms=size,
-            mfc=journey.colour.fill, mec=journey.colour.edge, mew=min(1.1, size / 9), zorder=6,
-            gid=f"trip-{journey.number}-stops",
-        )
+            [x for x, _ in spots], [y for _, y in spots], mfc=journey.colour.fill,
+            mec=journey.colour.edge, zorder=6, gid=f"trip-{journey.number}-stops", **shape,
+        )  # fmt: skip
         for n, (x, y) in enumerate(spots, 1):
-            font = min(8.5, 0.62 * size) if n < 100 else 0.45 * size
+            font = min(8.5, (0.62 if n < 100 else 0.45) * size)
             if font >= 3.2:
                 axes.text(
                     x, y, str(n), size=font, color=journey.colour.text, weight="bold",
                     ha="center", va="center_baseline", zorder=7,
-                )
-    waiting = [house.position(i.place) for i in scene.instance.items if i.id not in picked]
-    if waiting:
+                )  # fmt: skip
+    if marks:
         axes.plot(
-            [x for x, _ in waiting], [y for _, y in waiting], ls="none", marker="o", ms=size,
-            mfc="#c3ccd6", mec="#5b6673", zorder=5, gid="not-picked",
-        )
-    if few:
-        for item in scene.instance.items:
-            axes.annotate(
-                f"{item.id} ({number(item.weight)})", house.position(item.place),
-                xytext=(0.55 * size + 1.5, 0.55 * size - 1), textcoords="offset points",
-                size=8, color="#5b6673", zorder=7,
-            )
+            [x for x, _ in marks.values()], [y for _, y in marks.values()],
+            mfc="#c3ccd6", mec=GREY, zorder=5, gid="not-picked", **shape,
+        )  # fmt: skip

@@ -30,10 +30,14 @@ class Line:
         Its corner points.
     stops
         Where it halts, in sequence.
+    heads
+        Where its arrows stand and their directions of length 1; ``None`` leaves it to the
+        one who draws.
     """
 
     corners: list[XY]
     stops: list[XY]
+    heads: list[tuple[XY, XY]] | None = None
 
 
 @dataclass(slots=True)
@@ -190,16 +194,18 @@ def _assign(group: list[_Run], margin: float) -> None:
 
     lanes: list[list[_Run]] = []
     for run in sorted(group, key=rank):
-        for lane, taken in enumerate(lanes):
-            if all(run.low > r.high + margin or r.low > run.high + margin for r in taken):
-                break
-        else:
-            lane = len(lanes)
+        run.lane = next(
+            (lane for lane, taken in enumerate(lanes) if _free(taken, run, margin)), len(lanes)
+        )
+        if run.lane == len(lanes):
             lanes.append([])
-        lanes[lane].append(run)
-        run.lane = lane
+        lanes[run.lane].append(run)
     for run in group:
         run.lanes = len(lanes)
+
+
+def _free(taken: list[_Run], run: _Run, margin: float) -> bool:
+    return all(run.low > r.high + margin or r.low > run.high + margin for r in taken)
 
 
 def _joined(runs: list[_Run]) -> Line:

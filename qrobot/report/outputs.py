@@ -19,7 +19,8 @@ def check_writable(path: StrPath) -> None:
     Raises
     ------
     InputError
-        When the folder is missing or may not be written, or the path is a folder.
+        When the folder is missing, it or the file may not be written, or the path is a
+        folder.
     """
     target = Path(path)
     folder = target.parent
@@ -31,6 +32,14 @@ def check_writable(path: StrPath) -> None:
             source=os.fspath(path),
             mend="make it, or choose another place",
         )
+    if target.exists() and not os.access(target, os.W_OK):
+        raise InputError(
+            "may not be written",
+            source=os.fspath(path),
+            mend="check the permissions, or choose another place",
+        )
+    if target.exists() and not target.is_file():
+        return  # a device or pipe: written to directly
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(
             f"the folder {os.fspath(folder)!r} may not be written",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import os
 from collections.abc import Iterator
@@ -63,7 +64,11 @@ def check_picture_path(path: str | os.PathLike[str]) -> str:
     ------
     InputError
         When it is neither.
+    MissingExtraError
+        When matplotlib is not installed; found out without importing it.
     """
+    if importlib.util.find_spec("matplotlib") is None:
+        raise MissingExtraError("drawing pictures", "plot")
     kind = Path(path).suffix.lower().lstrip(".")
     if kind not in {"svg", "png"}:
         raise InputError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from qrobot.errors import InputError
@@ -11,6 +12,7 @@ from qrobot.plan import Plan, Trip
 from qrobot.problem import AisleWarehouse, Instance, Item, OpenFloor
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
+from qrobot.report.text import shortened
 
 if TYPE_CHECKING:
     from qrobot.planning import Result
@@ -112,22 +114,20 @@ def scene_of(answer: Result | Plan, instance: Instance | None = None) -> Scene:
             Journey(
                 trip=trip,
                 number=n,
-                name=f"{trip.robot}, trip {turn + 1}" if trip.robot in several else trip.robot,
+                name=shortened(trip.robot, 20)
+                + (f", trip {turn + 1}" if trip.robot in several else ""),
                 colour=colour_of(fleet[trip.robot]),
                 turn=turn,
                 capacity=instance.robots[fleet[trip.robot]].capacity,
                 items=picked,
-                legs=tuple(
-                    tuple(instance.warehouse.way(a, b))
-                    for a, b in zip(places, places[1:], strict=False)
-                ),
+                legs=tuple(tuple(instance.warehouse.way(a, b)) for a, b in pairwise(places)),
             )
         )
     unit = _unit(instance)
     return Scene(
         instance=instance,
         journeys=tuple(journeys),
-        title=f"{instance.name}: {number(plan.distance)}{unit}{quality}",
+        title=f"{shortened(instance.name, 60)}: {number(plan.distance)}{unit}{quality}",
         subtitle=_subtitle(plan, instance),
         unit=unit,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["columns"]
+__all__ = ["columns", "shortened"]
 
 
 def columns(
@@ -34,3 +34,8 @@ def columns(
     return "\n".join(
         [line(cells[0]), *("  ".join("-" * w for w in widths).splitlines()), *map(line, cells[1:])]
     )
+
+
+def shortened(text: str, most: int) -> str:
+    """Return a text of at most so many letters."""
+    return text if len(text) <= most else text[: most - 1] + "…"

@@ -24,8 +24,8 @@ from qrobot.problem import Instance
 
 __all__ = ["MAX_ENTRIES", "ExactPlanner"]
 
-MAX_ENTRIES = 10_000_000
-"""Entries of the tour table (80 MB): more sets than that are refused."""
+MAX_ENTRIES = 6_000_000
+"""Entries of the tour table (48 MB): more sets than that are refused."""
 
 RESOLUTION = 1e9
 """Units in the largest distance when distances are not whole: proofs hold to 1e-8 of it."""
