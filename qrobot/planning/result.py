@@ -165,7 +165,9 @@ class Result:
         elif math.isinf(self.gap):
             quality = "no lower bound is known"
         else:
-            quality = f"at most {self.gap:.2%} above the optimum (bound {self.bound:g})"
+            # Rounded up: the statement must stay true.
+            above = math.ceil(self.gap * 1e4) / 1e4
+            quality = f"at most {above:.2%} above the optimum (bound {self.bound:g})"
         lines = [
             f"{self.instance.name}: {self.instance.size} items in {len(self.instance.orders)} "
             f"orders, {self.plan.robots_used} of {robots} robots used",

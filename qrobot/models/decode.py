@@ -1,0 +1,230 @@
+"""From samples back to routes: what each means, what it violates, what it costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.models.layout import Layout
+from qrobot.problem import Instance
+
+__all__ = ["Decoded", "Reads", "Violation", "bits_of", "decode_row", "decode_rows"]
+
+Bits = npt.NDArray[np.int8]
+Bools = npt.NDArray[np.bool_]
+
+CELLS = 20_000_000
+"""Grid cells that are judged at a time: 20 MB."""
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One broken constraint.
+
+    Parameters
+    ----------
+    kind
+        ``step``: a robot is in several places at once, or in none. ``visit``: an item is
+        collected several times, or never. ``capacity``: a load is too heavy. ``split
+        order``: an order is on several trips. ``depot``: a robot does not start or end at
+        the depot.
+    text
+        The fact, as a sentence.
+    amount
+        By how much: places above or below one, visits above or below one, units of weight
+        above the capacity, trips above one.
+    robot, step, item, order
+        Where: index of the vehicle, step, index of the item, index of the order.
+    """
+
+    kind: Literal["step", "visit", "capacity", "split order", "depot"]
+    text: str
+    amount: int
+    robot: int | None = None
+    step: int | None = None
+    item: int | None = None
+    order: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Decoded:
+    """What a sample says.
+
+    Parameters
+    ----------
+    routes
+        For each vehicle the nodes (item index + 1) by step; visits of the depot on the way
+        are left out. Of a sample with violations: everything as sampled, items that are
+        collected twice included.
+    violations
+        Every broken constraint.
+    energy
+        Of the sample.
+    distance
+        Length of the routes, ``inf`` when a constraint is broken.
+    """
+
+    routes: list[list[int]]
+    violations: tuple[Violation, ...]
+    energy: float
+    distance: float
+
+    @property
+    def feasible(self) -> bool:
+        """Whether no constraint is broken."""
+        return not self.violations
+
+
+class Reads(NamedTuple):
+    """What many samples say.
+
+    Parameters
+    ----------
+    feasible
+        Whether no constraint is broken, shape (reads,).
+    distances
+        Length of the routes, ``inf`` when one is, shape (reads,).
+    """
+
+    feasible: Bools
+    distances: npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """Sums over a block of samples; R reads, K vehicles, T steps, n items."""
+
+    grid: Bools
+    """(R, K, T, n + 1)"""
+    places: npt.NDArray[np.int64]
+    """(R, K, T): how many places at once"""
+    visits: npt.NDArray[np.int64]
+    """(R, n)"""
+    loads: npt.NDArray[np.int64]
+    """(R, K)"""
+    trips: npt.NDArray[np.int64]
+    """(R, orders): vehicles that carry some of it"""
+    away: Bools
+    """(R, K, 2): not at the depot at the start, at the end"""
+
+
+def decode_rows(instance: Instance, layout: Layout, bits: Bits) -> Reads:
+    """Judge samples, shape (reads, variables) of 0 and 1 in the layout's order."""
+    cells = max(1, len(layout.fleet) * layout.steps * (layout.items + 1))
+    height = max(1, CELLS // cells)
+    parts = [
+        _reads(instance, layout, _judged(instance, layout, bits[top : top + height]))
+        for top in range(0, max(len(bits), 1), height)
+    ]
+    return Reads(
+        np.concatenate([p.feasible for p in parts]), np.concatenate([p.distances for p in parts])
+    )
+
+
+def _judged(instance: Instance, layout: Layout, bits: Bits) -> _Judged:
+    """Sum up samples, constraint by constraint."""
+    reads, robots = len(bits), len(layout.fleet)
+    n, steps = layout.items, layout.steps
+    flat = np.zeros((reads, robots * steps * (n + 1)), dtype=np.bool_)
+    flat[:, layout.cell] = bits[:, : layout.places] > 0
+    grid = flat.reshape(reads, robots, steps, n + 1)
+    picks = grid[..., 1:].sum(axis=2)
+    return _Judged(
+        grid=grid,
+        places=grid.sum(axis=3),
+        visits=picks.sum(axis=1),
+        loads=(picks @ instance.weights).astype(np.int64),
+        trips=_trips_of_orders(instance, picks > 0),
+        away=_away(layout, grid),
+    )
+
+
+def _trips_of_orders(instance: Instance, carried: Bools) -> npt.NDArray[np.int64]:
+    if len(instance.orders) == instance.size:
+        return np.zeros((len(carried), 0), dtype=np.int64)
+    member = np.zeros((instance.size, len(instance.orders)), dtype=np.int64)
+    member[np.arange(instance.size), instance.order_of_node[1:]] = 1
+    return np.asarray(((carried.astype(np.int64) @ member) > 0).sum(axis=1))
+
+
+def _away(layout: Layout, grid: Bools) -> Bools:
+    if layout.first:
+        return np.zeros((*grid.shape[:2], 2), dtype=np.bool_)
+    return ~grid[:, :, [0, layout.items + 1], 0]
+
+
+def _reads(instance: Instance, layout: Layout, judged: _Judged) -> Reads:
+    exists = np.arange(layout.steps) < layout.layers[:, None]
+    feasible = (
+        ((judged.places == 1) | ~exists).all(axis=(1, 2))
+        & (judged.visits == 1).all(axis=1)
+        & (judged.loads <= layout.fleet.capacities).all(axis=1)
+        & (judged.trips <= 1).all(axis=1)
+        & ~judged.away.any(axis=(1, 2))
+    )
+    distances = np.full(len(feasible), np.inf)
+    nodes = judged.grid[feasible].argmax(axis=3)
+    # Visits of the depot go to the end: the sequence of the items is what counts.
+    order = np.argsort(nodes == 0, axis=2, kind="stable")
+    nodes = np.take_along_axis(nodes, order, axis=2)
+    home = np.zeros((*nodes.shape[:2], 1), dtype=nodes.dtype)
+    ways = np.concatenate([home, nodes, home], axis=2)
+    distances[feasible] = instance.distances[ways[..., :-1], ways[..., 1:]].sum(axis=(1, 2))
+    return Reads(feasible, distances)
+
+
+def decode_row(instance: Instance, layout: Layout, bits: Bits, energy: float) -> Decoded:
+    """Return routes and violations of one sample, shape (variables,)."""
+    judged = _judged(instance, layout, bits[None, :])
+    grid = judged.grid[0]
+    routes = [[int(i) for i in np.nonzero(vehicle[:, 1:])[1] + 1] for vehicle in grid]
+    violations = tuple(_violations(instance, layout, judged))
+    return Decoded(
+        routes=routes,
+        violations=violations,
+        energy=energy,
+        distance=float("inf") if violations else instance.length(routes),
+    )
+
+
+def _violations(instance: Instance, layout: Layout, judged: _Judged) -> Iterator[Violation]:
+    names = layout.fleet.names
+    for k, layers in enumerate(layout.layers.tolist()):
+        for t in range(layers):
+            count, step = int(judged.places[0, k, t]), t + layout.first
+            if count != 1:
+                where = "nowhere" if not count else f"in {count} places"
+                text = f"robot {names[k]} is {where} at step {step}"
+                yield Violation("step", text, count - 1, robot=k, step=step)
+        for end, side in enumerate(("start", "end")):
+            if judged.away[0, k, end]:
+                step = (layout.items + 1) * end
+                text = f"robot {names[k]} does not {side} at the depot"
+                yield Violation("depot", text, 1, robot=k, step=step)
+    for i, count in enumerate(judged.visits[0].tolist()):
+        if count != 1:
+            times = "never" if not count else f"{count} times"
+            text = f"item {instance.items[i].id} is collected {times}"
+            yield Violation("visit", text, count - 1, item=i)
+    unit = instance.unit
+    for k, load in enumerate(judged.loads[0].tolist()):
+        room = int(layout.fleet.capacities[k])
+        if load > room:
+            text = (
+                f"robot {names[k]} carries {float(load * unit):g}, "
+                f"{float((load - room) * unit):g} more than the {float(room * unit):g} it can"
+            )
+            yield Violation("capacity", text, load - room, robot=k)
+    for o, count in enumerate(judged.trips[0].tolist()):
+        if count > 1:
+            text = f"order {instance.orders[o].id} is split over {count} trips"
+            yield Violation("split order", text, count - 1, order=o)
+
+
+def bits_of(layout: Layout, sample: Any) -> Bits:
+    """Return a sample (label to value; 0/1, bool or spin) as 0 and 1 in the layout's order."""
+    return np.array([sample[label] > 0 for label in layout.labels], dtype=np.int8)

@@ -1,0 +1,139 @@
+"""The vehicles of a model: one for every possible trip, and what each can hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.errors import InfeasibleError
+from qrobot.problem import Instance
+
+__all__ = ["Fleet", "Limits", "fleet_of", "limits_of"]
+
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Fleet:
+    """The vehicles of a model, the largest first.
+
+    Parameters
+    ----------
+    capacities
+        Room of each vehicle in units of weight, shape (K,).
+    names
+        What messages call each: the robot's id, with the trip when it makes several.
+    """
+
+    capacities: Ints
+    names: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What every feasible plan keeps to, vehicle by vehicle: free cuts for a small model.
+
+    Parameters
+    ----------
+    most
+        The most items that fit, shape (K,).
+    least
+        The fewest items that the others leave over, shape (K,).
+    lightest
+        The least load that the others leave over, in units, shape (K,).
+    binding
+        Whether as many items as fit in number could be too heavy, shape (K,).
+    """
+
+    most: Ints
+    least: Ints
+    lightest: Ints
+    binding: npt.NDArray[np.bool_]
+
+
+def fleet_of(instance: Instance, *, every_robot: bool = False) -> Fleet:
+    """Return the vehicles: one for each trip that a robot may make, the largest first.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    every_robot
+        True keeps all robots, as the paper counts its qubits; False keeps no more vehicles
+        than there are orders, for no plan uses more.
+    """
+    most = max(len(instance.orders), 1)
+    names, rooms = [], []
+    for robot, room in zip(instance.robots, instance.capacities.tolist(), strict=True):
+        for trip in range(min(robot.trips, most)):
+            names.append(robot.id if robot.trips == 1 else f"{robot.id} on trip {trip + 1}")
+            rooms.append(room)
+    order = sorted(range(len(rooms)), key=lambda k: -rooms[k])
+    if not every_robot:
+        order = order[:most]
+    return Fleet(
+        np.array([rooms[k] for k in order], dtype=np.int64), tuple(names[k] for k in order)
+    )
+
+
+def limits_of(instance: Instance, fleet: Fleet) -> Limits:
+    """Return bounds of items and load for each vehicle.
+
+    Raises
+    ------
+    InfeasibleError
+        When the bounds contradict each other, with the reason.
+    """
+    n = instance.size
+    rooms = fleet.capacities
+    total = int(instance.weights.sum())
+    unit = float(instance.unit)
+    if total > int(rooms.sum()):
+        raise InfeasibleError(
+            f"total load {total * unit:g} exceeds the {int(rooms.sum()) * unit:g} "
+            f"that all {len(fleet)} possible trips hold together"
+        )
+    lot = instance.order_weights
+    if len(lot) and int(lot.max()) > int(rooms[0]):
+        worst = instance.orders[int(lot.argmax())].id
+        raise InfeasibleError(
+            f"order {worst} weighs {int(lot.max()) * unit:g}: "
+            f"no robot holds more than {int(rooms[0]) * unit:g}"
+        )
+    by_room = {room: _most_items(instance, room) for room in set(rooms.tolist())}
+    most = np.array([by_room[room] for room in rooms.tolist()], dtype=np.int64)
+    if int(most.sum()) < n:
+        raise InfeasibleError(
+            f"{len(fleet)} trips carry at most {int(most.sum())} of the {n} items, "
+            f"for no robot holds more than {int(rooms[0]) * unit:g}"
+        )
+    lightest = np.maximum(total - (rooms.sum() - rooms), 0)
+    heaviest_first = np.sort(instance.weights)[::-1]
+    reached = np.concatenate([[0], np.cumsum(heaviest_first)])
+    least = np.maximum(np.searchsorted(reached, lightest), n - (most.sum() - most))
+    if bool((least > most).any()):
+        k = int(np.argmax(least - most))
+        raise InfeasibleError(
+            f"robot {fleet.names[k]} would have to carry {int(least[k])} items, "
+            f"but no {int(least[k])} items fit its {int(rooms[k]) * unit:g}"
+        )
+    return Limits(most, least, lightest, reached[most] > rooms)
+
+
+def _most_items(instance: Instance, room: int) -> int:
+    """Return the most items in whole orders that a vehicle holds."""
+    lot = instance.order_weights
+    if len(lot) == instance.size:
+        return int((np.cumsum(np.sort(lot)) <= room).sum())
+    # A knapsack: the least load of every number of items.
+    lightest = np.full(instance.size + 1, np.inf)
+    lightest[0] = 0.0
+    for weight, nodes in zip(lot.tolist(), instance.order_nodes, strict=True):
+        size = len(nodes)
+        lightest[size:] = np.minimum(lightest[size:], lightest[:-size] + weight)
+    return int(np.flatnonzero(lightest <= room)[-1])

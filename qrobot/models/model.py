@@ -1,0 +1,216 @@
+"""The door to the models: an instance in, a binary quadratic model with its meaning out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import dimod
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.errors import InputError
+from qrobot.models.assemble import assemble
+from qrobot.models.compact import compact_layout
+from qrobot.models.decode import Decoded, Reads, bits_of, decode_row, decode_rows
+from qrobot.models.encode import encode_routes
+from qrobot.models.full import full_layout
+from qrobot.models.layout import Layout
+from qrobot.models.penalties import Encoding, Penalties
+from qrobot.models.potentials import potentials_of
+from qrobot.models.reduced import reduced_layout
+from qrobot.models.slack import Slack
+from qrobot.problem import Instance
+
+__all__ = ["ENCODINGS", "PickingModel", "Symmetry", "build_model", "model_for"]
+
+ENCODINGS: tuple[Encoding, ...] = ("compact", "reduced", "full")
+Symmetry = Literal["keep", "break"]
+
+
+@dataclass(frozen=True)
+class PickingModel:
+    """A binary quadratic model of an instance, and what its variables mean.
+
+    The energy of every plan that keeps to all constraints is its distance.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    layout
+        The variables.
+    penalties
+        The weights of the constraints in use.
+    bqm
+        The model: binary, float64, in the order of ``layout.labels``.
+    slack
+        Kind of the slack binaries.
+    symmetry
+        ``keep`` or ``break``.
+    """
+
+    instance: Instance
+    layout: Layout
+    penalties: Penalties
+    bqm: dimod.BinaryQuadraticModel
+    slack: Slack
+    symmetry: Symmetry
+
+    @property
+    def encoding(self) -> Encoding:
+        """Name of the encoding."""
+        return self.layout.encoding
+
+    @property
+    def num_variables(self) -> int:
+        """Number of binary variables: the qubits."""
+        return self.layout.size
+
+    @property
+    def variables(self) -> list[str]:
+        """Names of the variables: ``x[t,i,p]`` and ``slack[p,b]``; p counts from 1."""
+        return self.layout.labels
+
+    def decode(self, sample: Mapping[Any, Any]) -> Decoded:
+        """Return routes, violations, energy and distance of one sample.
+
+        Parameters
+        ----------
+        sample
+            A value for every variable: 0 and 1, booleans, or spins.
+        """
+        bits = bits_of(self.layout, sample)
+        energy = float(self.bqm.energy((bits, self.layout.labels)))
+        return decode_row(self.instance, self.layout, bits, energy)
+
+    def decode_all(self, samples: dimod.SampleSet) -> Reads:
+        """Judge all samples of a set at once.
+
+        Parameters
+        ----------
+        samples
+            Over this model's variables, binary or spin.
+
+        Returns
+        -------
+        Reads
+            Whether each is feasible, and its distance (``inf`` when it is not), both of
+            shape (samples,).
+        """
+        return decode_rows(self.instance, self.layout, self.matrix(samples))
+
+    def matrix(self, samples: dimod.SampleSet) -> npt.NDArray[np.int8]:
+        """Return samples as 0 and 1, shape (samples, variables) in this model's order."""
+        where = {label: k for k, label in enumerate(samples.variables)}
+        columns = [where[label] for label in self.layout.labels]
+        return np.asarray(samples.record.sample[:, columns] > 0, dtype=np.int8)
+
+    def encode(self, routes: Sequence[Sequence[int]]) -> dict[str, int]:
+        """Return the sample that stands for routes.
+
+        Parameters
+        ----------
+        routes
+            For each vehicle its nodes (item index + 1) in sequence; vehicles left out stay
+            home. When a route is too heavy for its vehicle, the heaviest load goes to the
+            largest one and so on.
+
+        Raises
+        ------
+        InputError
+            When the model has no variables for these routes.
+        """
+        bits = self.encode_bits(routes)
+        return dict(zip(self.layout.labels, bits.tolist(), strict=True))
+
+    def encode_bits(self, routes: Sequence[Sequence[int]]) -> npt.NDArray[np.int8]:
+        """Return the same as an array in this model's order, shape (variables,)."""
+        return encode_routes(self.instance, self.layout, routes, canonical=self.symmetry == "break")
+
+    def energy_of(self, routes: Sequence[Sequence[int]]) -> float:
+        """Return the energy of routes: their distance when they keep to all constraints."""
+        return float(self.bqm.energy((self.encode_bits(routes), self.layout.labels)))
+
+
+def build_model(
+    instance: Instance,
+    encoding: Encoding = "compact",
+    slack: Slack = "exact",
+    penalties: Penalties | Mapping[str, float] | None = None,
+    symmetry: Symmetry = "keep",
+) -> PickingModel:
+    """Model an instance as a binary quadratic model.
+
+    Parameters
+    ----------
+    instance
+        The question; n items, K robots.
+    encoding
+        ``compact`` (fewest variables, for samplers), or the paper's ``reduced``,
+        K n (n + 1) variables and slack, or ``full``, K (n + 1) (n + 2) and slack.
+    slack
+        ``exact``, or ``paper`` for the paper's ceil(log2 M) binaries a robot.
+    penalties
+        Weights of the constraints; a mapping replaces some of the measured ones.
+    symmetry
+        ``break`` keeps one of the ways in which equal vehicles can exchange their trips
+        (compact encoding only). It saves variables; annealers are better off with
+        ``keep``.
+
+    Raises
+    ------
+    InputError
+        When an option is unknown or unusable, or the model would be too large.
+    InfeasibleError
+        When the compact encoding proves that no plan exists.
+    """
+    _choice("encoding", encoding, ENCODINGS)
+    _choice("slack", slack, ("exact", "paper"))
+    _choice("symmetry", symmetry, ("keep", "break"))
+    if symmetry == "break" and encoding != "compact":
+        raise InputError(
+            f"the {encoding} encoding keeps its symmetry",
+            field="symmetry",
+            mend="use the compact encoding, or symmetry 'keep'",
+        )
+    if encoding == "full":
+        layout = full_layout(instance, slack)
+    elif encoding == "reduced":
+        layout = reduced_layout(instance, slack)
+    else:
+        layout = compact_layout(instance, slack, break_symmetry=symmetry == "break")
+    weights = Penalties.of(instance, encoding, penalties)
+    potentials = potentials_of(
+        instance,
+        several=len(layout.fleet) > 1,
+        scale=weights.shift if encoding == "compact" else 0.0,
+    )
+    bqm = assemble(instance, layout, weights, potentials)
+    return PickingModel(instance, layout, weights, bqm, slack, symmetry)
+
+
+def model_for(
+    instance: Instance, purpose: Literal["anneal", "gate", "paper"] = "anneal"
+) -> PickingModel:
+    """Build the model that suits a purpose.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    purpose
+        ``anneal`` and ``gate`` get the compact encoding, which has the fewest variables
+        and samples best; ``paper`` the reduced one with the paper's slack, the model of
+        the paper's tables 2 and 3.
+    """
+    _choice("purpose", purpose, ("anneal", "gate", "paper"))
+    if purpose == "paper":
+        return build_model(instance, "reduced", slack="paper")
+    return build_model(instance, "compact")
+
+
+def _choice(field: str, value: object, known: Sequence[str]) -> None:
+    if value not in known:
+        raise InputError(f"{value!r} is unknown", field=field, mend=f"use {', '.join(known)}")

@@ -1,0 +1,201 @@
+"""Weights of the constraints: measured ones, provably safe ones, and your own."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.errors import InputError
+from qrobot.models.fleet import fleet_of
+from qrobot.models.potentials import potentials_of
+from qrobot.problem import Instance
+
+__all__ = ["Encoding", "Penalties"]
+
+Encoding = Literal["compact", "reduced", "full"]
+
+
+@dataclass(frozen=True, slots=True)
+class Penalties:
+    """Weights of the constraints, in units of energy, which are units of distance.
+
+    Parameters
+    ----------
+    step
+        A: of each robot being in exactly one place at each step (and, in the full
+        encoding, at the depot at the ends), times the square of the deviation.
+    visit
+        Of each item being collected exactly once, times the square of the deviation.
+    capacity
+        B: of load + slack = M, times the square of the deviation in units of weight. Mind
+        that squares of units are large numbers.
+    same_robot
+        Of each pair of items of one order that different robots collect.
+    detour
+        Added to every way from the depot at a later step than the first, so that breaking
+        a trip at the depot never pays. Zero is enough when distances keep the triangle
+        inequality at the depot.
+    shift
+        How much of the potentials to take off the distances, 0 to 1 (compact encoding
+        only; see `potentials`).
+    """
+
+    step: float
+    visit: float
+    capacity: float
+    same_robot: float
+    detour: float = 0.0
+    shift: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse weights that are no numbers or reward violations."""
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+                raise InputError(
+                    f"{value!r} is not a number",
+                    field=f"penalties.{field.name}",
+                    mend="give a weight of zero or more",
+                )
+            if not (math.isfinite(value) and value >= 0):
+                raise InputError(
+                    f"weight {float(value):g} is negative or not finite",
+                    field=f"penalties.{field.name}",
+                    mend="give a weight of zero or more",
+                )
+
+    @classmethod
+    def measured(cls, instance: Instance, encoding: Encoding = "compact") -> Penalties:
+        """Return the weights that sampled best when measured; not proof-safe, so verify.
+
+        The scale of A is the largest distance for the paper's encodings and the spread of
+        the distances for the compact one. B is set against the mean square of the item
+        weights, so that the unit of weight does not matter. docs/formulation.md tells how
+        they were found.
+        """
+        squares = instance.weights.astype(np.float64) ** 2
+        square = float(squares.mean()) if squares.any() else 1.0
+        trips = _trips_needed(instance)
+        several = len(fleet_of(instance)) > 1
+        if encoding == "compact":
+            a = _compact_weight(instance, trips if several else 0)
+            b = 0.75 * a / square
+        else:
+            a = 0.75 * _largest(instance.distances)
+            b = 1.3 * a / square
+        return cls(
+            step=a,
+            visit=a,
+            capacity=b,
+            same_robot=a,
+            detour=_detour(instance.distances),
+            shift=1.0 if encoding == "compact" else 0.0,
+        )
+
+    @classmethod
+    def safe(cls, instance: Instance) -> Penalties:
+        """Return weights under which the best plan is provably the lowest energy.
+
+        Proof. Let the slack be exact, P one of the weights step, visit, capacity and
+        same_robot, all equal, and U an upper bound of the distance of every feasible plan.
+        A feasible plan leaves each item once and the depot once per trip, so
+        U = (sum over items i of max over j of d[i, j]) + T max over j of d[0, j], with T
+        the most trips, will do. The shift is 0, so the energy is a sum of terms none of
+        which is negative: walked distances, detours, and weighted squares or products that
+        count violations.
+
+        An assignment that breaks a constraint has a deviation of at least 1 in it (all
+        sums are whole numbers), so its energy is at least P > U: above every feasible
+        plan. An assignment that breaks none visits each item once, in whole orders, within
+        the capacities, and has the right slack; its energy is the distance walked, with a
+        detour weight on every return to the depot in the middle. Leaving that return out
+        changes the distance by d[i, j] - d[i, 0] - d[0, j] <= detour, so decoding it gives
+        a plan that is no longer than the energy. Encoded plans reach that: the lowest
+        energy is the least distance.
+
+        The price: weights that high freeze an annealer. Use them to prove, not to sample.
+        """
+        d = instance.distances
+        trips = min(len(fleet_of(instance)), max(len(instance.orders), 1))
+        longest = float(d[1:].max(axis=1).sum()) + trips * float(d[0].max())
+        weight = 1.01 * longest + (1.0 if longest == 0.0 else 0.0)
+        return cls(
+            step=weight,
+            visit=weight,
+            capacity=weight,
+            same_robot=weight,
+            detour=_detour(d),
+            shift=0.0,
+        )
+
+    @classmethod
+    def of(
+        cls,
+        instance: Instance,
+        encoding: Encoding,
+        given: Penalties | Mapping[str, float] | None,
+    ) -> Penalties:
+        """Return the penalties given, the measured ones, or these with some replaced.
+
+        Raises
+        ------
+        InputError
+            When a name is unknown or a weight is unusable.
+        """
+        if isinstance(given, Penalties):
+            return given
+        measured = cls.measured(instance, encoding)
+        if not given:
+            return measured
+        names = [field.name for field in dataclasses.fields(cls)]
+        for name in given:
+            if name not in names:
+                raise InputError(
+                    f"there is no weight {name!r}",
+                    field="penalties",
+                    mend=f"use some of {', '.join(names)}",
+                )
+        return dataclasses.replace(measured, **given)
+
+
+def _compact_weight(instance: Instance, trips: int) -> float:
+    """Return A for the compact encoding; `trips` is 0 when a single vehicle does all."""
+    d = instance.distances
+    n = len(d) - 1
+    if n < 2:
+        return _largest(d)
+    spread = float(d[~np.eye(n + 1, dtype=bool)].std())
+    if trips:
+        return max((1.1 + 3.6 * trips / n) * spread, 0.1 * _largest(d))
+    # What the two cheapest ways at an item still cost after the shift is what dropping
+    # the item would gain at least.
+    shifted = potentials_of(instance, several=False).shifted(d)
+    legs = (shifted + shifted.T) / 2 + np.diag(np.full(n + 1, np.inf))
+    dropped = float(np.sort(legs, axis=1)[:, :2].mean(axis=1).max())
+    return max(1.25 * spread, 1.3 * dropped, 0.1 * _largest(d))
+
+
+def _trips_needed(instance: Instance) -> int:
+    room = int(instance.capacities.max())
+    total = int(instance.weights.sum())
+    return max(1, -(-total // room)) if room > 0 else 1
+
+
+def _largest(d: npt.NDArray[np.float64]) -> float:
+    return float(d.max(initial=0.0)) or 1.0
+
+
+def _detour(d: npt.NDArray[np.float64]) -> float:
+    """Return by how much a way over the depot is shorter than the direct one, at most."""
+    if len(d) < 3:
+        return 0.0
+    gain = d[1:, 1:] - d[1:, :1] - d[:1, 1:]
+    np.fill_diagonal(gain, 0.0)
+    worst = float(gain.max())
+    return worst if worst > 1e-9 * float(d.max()) else 0.0
