@@ -2,6 +2,6 @@
 
 from qrobot.planning.result import Result, SamplerReport, Timing
 from qrobot.planning.run import Progress
-from qrobot.planning.solve import DEFAULT_DEADLINE, solve
+from qrobot.planning.solving import DEFAULT_DEADLINE, solve
 
 __all__ = ["DEFAULT_DEADLINE", "Progress", "Result", "SamplerReport", "Timing", "solve"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any
 
@@ -23,6 +24,10 @@ MAX_VARIABLES = 20_000
 
 STARTS = 10
 """Reads that are repaired and polished, the best first."""
+
+SAMPLING_SHARE = 0.7
+"""Share of the deadline that the sampler may take; decoding, polish, control and the bound
+need the rest."""
 
 MODEL_OPTIONS = ("encoding", "slack", "penalties")
 
@@ -108,7 +113,9 @@ def _sample(
     if "seed" in sampler.parameters:
         parameters.setdefault("seed", run.seed)
     if "interrupt_function" in sampler.parameters:
-        parameters.setdefault("interrupt_function", run.stop)
+        left = run.stop.remaining
+        part = run.stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
+        parameters.setdefault("interrupt_function", part)
     if run.stop.max_work is not None and "num_reads" in sampler.parameters:
         parameters["num_reads"] = min(parameters.get("num_reads", 100), run.stop.max_work)
     begun = time.perf_counter()
