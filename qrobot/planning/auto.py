@@ -20,12 +20,13 @@ from qrobot.problem import Instance
 __all__ = ["bound_from_below", "choose_search", "run_auto"]
 
 FIRST_SHARE, FIRST_SECONDS, FIRST_WORK = 0.1, 0.5, 5
-"""The first search gets a tenth of the time, at most half a second, or a fifth of the work."""
+"""Before a proof, the search gets a tenth of the time, at most half a second, or a fifth of
+the work."""
 
-BOUND_SHARE, BOUND_SECONDS = 0.07, 2.0
-"""The bound of large instances gets a fourteenth of the time, at most two seconds."""
+BOUND_SHARE, BOUND_SECONDS = 0.07, 1.0
+"""The bound of large instances gets a fourteenth of the time, at most a second."""
 
-PACKING_SHARE = 0.3
+PATIENCE = 0.3
 """A search that found no plan in this share of the time gets a packing to start from."""
 
 
@@ -43,33 +44,50 @@ def run_auto(run: Run) -> None:
     small = exact.fits(run.instance)
     if small and len(run.instance.orders) <= MAX_ELEMENTS:
         run.plan(exact, run.stop)
-        if run.finished:
-            return
     search = choose_search(run.instance)
-    _first_plan(run, search)
-    if small and _has_cp_sat() and not run.finished:
+    if small and not run.finished and _has_cp_sat():
+        # A first plan tells the set partition which trips cannot be part of a better one.
+        run.plan(search, _part(run.stop, FIRST_SHARE, FIRST_SECONDS))
         run.plan(exact, run.stop)
-    if run.finished or run.stop():
-        bound_from_below(run)
-        return
+    if not run.finished and not run.stop():
+        _search_on(run, search)
     bound_from_below(run)
-    if not run.finished:
-        run.plan(search, run.stop)
 
 
-def _first_plan(run: Run, search: Planner) -> None:
-    """Search for a short while; without any plan then, pack first and search from there."""
-    run.plan(search, _part(run.stop, FIRST_SHARE, FIRST_SECONDS))
-    if run.routes is None and not run.stop():
-        run.plan(search, _part(run.stop, PACKING_SHARE, math.inf))
-    if run.routes is None and not run.stop():
+def _search_on(run: Run, search: Planner) -> None:
+    """Search until it is time for the bound; without any plan after a while, pack first."""
+    left = run.stop.remaining
+    seconds = None if math.isinf(left) else left - min(BOUND_SHARE * left, BOUND_SECONDS)
+    part = _Patient(run, seconds)
+    run.plan(search, part)
+    run.out_of_time = part.remaining <= 0
+    if run.routes is None and not run.finished and not run.stop():
         run.begin("packing")
         with run.timed("run"):
             routes, impossible = pack(run.instance, run.stop, run.seed)
-        if routes is not None:
-            run.offer(routes)
-        elif impossible:
+        if impossible:
             run.infeasible = no_packing(run.instance)
+        elif routes is not None:
+            run.offer(routes)
+            run.plan(search, run.stop)
+
+
+class _Patient(Stop):
+    """A stop for a part of a run that also ends when no plan was found for too long."""
+
+    def __init__(self, run: Run, seconds: float | None) -> None:
+        super().__init__(seconds, run.stop.max_work, parent=run.stop)
+        self._run = run
+
+    def __call__(self, work: int = 0) -> bool:
+        """Return True when it is time to stop after `work` units."""
+        if super().__call__(work):
+            return True
+        if self._run.routes is not None:
+            return False
+        if self.max_work is not None and work > PATIENCE * self.max_work:
+            return True
+        return self.seconds is not None and self.elapsed > PATIENCE * self.seconds
 
 
 def bound_from_below(run: Run) -> None:
@@ -78,7 +96,7 @@ def bound_from_below(run: Run) -> None:
         return
     with run.timed("bound"):
         run.raise_bound(quick_bound(run.instance))
-        part = _part(run.stop, BOUND_SHARE, BOUND_SECONDS)
+        part = _part(run.stop, 1.0, BOUND_SECONDS)
         run.raise_bound(forest_bound(run.instance, run.cost, part))
         run.raise_bound(walk_bound(run.instance, run.cost, part))
 

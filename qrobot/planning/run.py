@@ -72,6 +72,7 @@ class Run:
         self.bound = 0.0
         self.proven = False
         self.infeasible: str | None = None
+        self.out_of_time = False
         self.steps: list[str] = []
         self.work: dict[str, int] = {}
         self.timing = Timing()

@@ -151,7 +151,7 @@ def _ending(run: Run, proven: bool) -> Ending:
         return "interrupted"
     if proven:
         return "proven"
-    if run.stop.remaining <= 0:
+    if run.out_of_time or run.stop.remaining <= 0:
         return "deadline"
     if run.stop.max_work is not None:
         return "work"
