@@ -15,7 +15,7 @@ from qrobot.problem import Instance
 if TYPE_CHECKING:
     import pyvrp
 
-__all__ = ["PyVRPPlanner"]
+__all__ = ["PlainPyVRPPlanner", "PyVRPPlanner"]
 
 RESOLUTION = 1e6
 """Units in the largest distance when distances are not whole."""
@@ -34,6 +34,7 @@ class PyVRPPlanner:
     """
 
     name = "pyvrp"
+    plain = False
     capabilities = Capabilities(kind="planner", whole_orders=False, extra="planners")
 
     def search(
@@ -66,7 +67,7 @@ class PyVRPPlanner:
             )
         if not instance.orders:
             return Search(routes=[])
-        data = _problem_data(instance)
+        data = _problem_data(instance, plain=self.plain)
         iterations = 0
         found: list[Routes] = []
 
@@ -93,18 +94,30 @@ class PyVRPPlanner:
         with warnings.catch_warnings():
             # That feasible plans are rare is no news for tight loads.
             warnings.simplefilter("ignore", PenaltyBoundWarning)
-            search = _iterated_search(instance, data, seed, first, Callbacks())
+            search = _iterated_search(instance, data, seed, first, Callbacks(), plain=self.plain)
             result = search.run(ended, collect_stats=False, display=False)
         note(result.best)
         return Search(routes=found[-1] if found else None, work=result.num_iterations)
 
 
-def _problem_data(instance: Instance) -> pyvrp.ProblemData:
+class PlainPyVRPPlanner(PyVRPPlanner):
+    """PyVRP with its own default prices of overload, and whole distances as they are.
+
+    A second opinion for the other cores, and the peer that benchmarks compare with.
+    """
+
+    name = "pyvrp-plain"
+    plain = True
+
+
+def _problem_data(instance: Instance, *, plain: bool) -> pyvrp.ProblemData:
     import pyvrp
 
     capacities, counts = np.unique(instance.vehicle_capacities, return_counts=True)
     whole = whole_costs(instance, RESOLUTION, int(counts.sum()))
     matrix = whole.cost(instance.stop_distances)
+    if plain:
+        matrix //= whole.spread
     positions = [
         instance.warehouse.position(instance.items[nodes[0] - 1].place) for nodes in instance.stops
     ]
@@ -116,7 +129,9 @@ def _problem_data(instance: Instance) -> pyvrp.ProblemData:
         ],
         depots=[pyvrp.Depot(location=0)],
         vehicle_types=[
-            pyvrp.VehicleType(num_available=count, capacity=[capacity], fixed_cost=1)
+            pyvrp.VehicleType(
+                num_available=count, capacity=[capacity], fixed_cost=0 if plain else 1
+            )
             for capacity, count in zip(capacities.tolist(), counts.tolist(), strict=True)
         ],
         distance_matrices=[matrix],
@@ -130,6 +145,8 @@ def _iterated_search(
     seed: int,
     first: pyvrp.Solution | None,
     callbacks: Any,
+    *,
+    plain: bool,
 ) -> Any:
     """Put PyVRP's own parts together, with a price of overload that suits the units.
 
@@ -152,9 +169,9 @@ def _iterated_search(
             local.add_operator(operator(data))
     mean = max(float(instance.stop_weights.mean()), 1.0)
     price = max(1.0, OVERLOAD * float(data.distance_matrix(0).max()) / mean)
-    prices = pyvrp.PenaltyManager(
-        ([price], price, price), pyvrp.PenaltyParams(max_penalty=price * RANGE)
-    )
+    limits = pyvrp.PenaltyParams() if plain else pyvrp.PenaltyParams(max_penalty=price * RANGE)
+    first_prices = limits.midpoint_penalties(data) if plain else ([price], price, price)
+    prices = pyvrp.PenaltyManager(first_prices, limits)
     if first is None:
         random = pyvrp.Solution.make_random(data, rng)
         first = local(random, prices.max_cost_evaluator(), exhaustive=True)

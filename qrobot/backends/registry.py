@@ -26,13 +26,14 @@ BUILTIN: dict[str, tuple[str, str, str]] = {
     # name: (module, class, module that must be importable)
     "exact": ("qrobot.backends.exact", "ExactPlanner", "numpy"),
     "pyvrp": ("qrobot.backends.pyvrp", "PyVRPPlanner", "pyvrp"),
+    "pyvrp-plain": ("qrobot.backends.pyvrp", "PlainPyVRPPlanner", "pyvrp"),
     "batching": ("qrobot.backends.batching", "BatchingPlanner", "numpy"),
     "neal": ("qrobot.backends.neal", "NealSampler", "dwave.samplers"),
     "tabu": ("qrobot.backends.tabu", "TabuSampler", "dwave.samplers"),
 }
 """In order of preference."""
 
-EXTRAS = {"pyvrp": "planners"}
+EXTRAS = {"pyvrp": "planners", "pyvrp-plain": "planners"}
 
 
 def _plugins() -> dict[str, importlib.metadata.EntryPoint]:

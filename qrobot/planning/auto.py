@@ -9,11 +9,14 @@ from __future__ import annotations
 
 import importlib.util
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from qrobot.backends import Planner, Stop, available, get
 from qrobot.backends.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.exact.partition import MAX_ELEMENTS
 from qrobot.planning.bounds import forest_bound, quick_bound, walk_bound
+from qrobot.planning.crew import Crew, spare_cores
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 
@@ -28,6 +31,10 @@ BOUND_SHARE, BOUND_SECONDS = 0.07, 1.0
 
 PATIENCE = 0.3
 """A search that found no plan in this share of the time gets a packing to start from."""
+
+
+HELPED_SECONDS, HELPER_START = 3.0, 0.3
+"""Searches this long get the other cores too; starting a process takes a part of a second."""
 
 
 def choose_search(instance: Instance) -> Planner:
@@ -59,8 +66,9 @@ def _search_on(run: Run, search: Planner) -> None:
     left = run.stop.remaining
     seconds = None if math.isinf(left) else left - min(BOUND_SHARE * left, BOUND_SECONDS)
     part = _Patient(run, seconds)
-    run.plan(search, part)
-    run.out_of_time = part.remaining <= 0
+    with _helpers(run, search, seconds):
+        run.plan(search, part)
+        run.out_of_time = part.remaining <= 0
     if run.routes is None and not run.finished and not run.stop():
         run.begin("packing")
         with run.timed("run"):
@@ -70,6 +78,25 @@ def _search_on(run: Run, search: Planner) -> None:
         elif routes is not None:
             run.offer(routes)
             run.plan(search, run.stop)
+
+
+@contextmanager
+def _helpers(run: Run, search: Planner, seconds: float | None) -> Iterator[None]:
+    """Let the other cores search too while the block runs, where it is worth their start."""
+    long = seconds is not None and seconds >= HELPED_SECONDS
+    helpers = spare_cores() if long and run.stop.max_work is None else 0
+    if not helpers:
+        yield
+        return
+    assert seconds is not None
+    # PyVRP's own settings beside ours: what one misses the other often finds.
+    other = "pyvrp-plain" if search.name == "pyvrp" else search.name
+    crew = Crew(run.instance, other, run.seed, seconds - HELPER_START, None, helpers)
+    try:
+        yield
+    finally:
+        with run.timed("run"):
+            crew.close(run.offer, wait=0.0)
 
 
 class _Patient(Stop):

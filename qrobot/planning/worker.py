@@ -1,0 +1,41 @@
+"""One helper of a `Crew`: reads a task from the standard input, writes plans as lines.
+
+Only ever started by `Crew`, over pipes that nobody else can reach.
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import sys
+import threading
+from collections.abc import Sequence
+
+from qrobot.backends import Planner, Stop, get
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Search until the limits are reached or the standard input is closed."""
+    source = sys.stdin.buffer
+    instance, backend, seed, seconds, max_work = pickle.load(source)  # noqa: S301 - our parent's
+    stop = Stop(seconds, max_work)
+
+    def watch() -> None:
+        source.read()  # returns when the parent closes the pipe or is gone
+        stop.request()
+
+    threading.Thread(target=watch, daemon=True).start()
+
+    def tell(routes: Sequence[Sequence[int]], _cost: float) -> None:
+        sys.stdout.write(json.dumps([list(map(int, route)) for route in routes]) + "\n")
+        sys.stdout.flush()
+
+    planner = get(backend)
+    assert isinstance(planner, Planner)
+    planner.search(instance, stop=stop, seed=seed, on_best=tell)
+
+
+if __name__ == "__main__":
+    main()

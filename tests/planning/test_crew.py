@@ -1,0 +1,87 @@
+"""Helpers on other cores: they bring plans, and they end with their parent."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from oracles import paper_shaped
+
+from qrobot.backends import Routes
+from qrobot.planning.crew import Crew, spare_cores
+from qrobot.planning.run import plan_fits
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(autouse=True)
+def package_on_the_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+
+
+@pytest.mark.parametrize("backend", ["pyvrp-plain", "batching"])
+def test_helpers_bring_plans(backend: str) -> None:
+    if backend != "batching":
+        pytest.importorskip("pyvrp")
+    instance = paper_shaped(30, 4, 1)
+    crew = Crew(instance, backend, seed=1, seconds=None, max_work=40, helpers=2)
+    found: list[Routes] = []
+    crew.close(found.append, wait=60)
+    assert found
+    assert all(plan_fits(instance, plan) for plan in found)
+
+
+def test_closing_ends_helpers_before_their_deadline() -> None:
+    crew = Crew(paper_shaped(40, 4, 1), "batching", 0, seconds=600, max_work=None, helpers=1)
+    pid = crew._processes[0].pid
+    time.sleep(1.5)
+    begun = time.monotonic()
+    found: list[Routes] = []
+    crew.close(found.append, wait=0.0)
+    assert time.monotonic() - begun < 30
+    assert not psutil.pid_exists(pid)
+
+
+def test_helpers_end_when_their_parent_is_killed() -> None:
+    code = (
+        "import sys, time; sys.path.insert(0, 'tests')\n"
+        "from oracles import paper_shaped\n"
+        "from qrobot.planning.crew import Crew\n"
+        "c = Crew(paper_shaped(40, 4, 1), 'batching', 0, 600, None, 1)\n"
+        "print(c._processes[0].pid, flush=True); time.sleep(600)\n"
+    )
+    parent = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, cwd=ROOT
+    )
+    assert parent.stdout is not None
+    pid = int(parent.stdout.readline())
+    time.sleep(1.0)
+    parent.kill()
+    parent.communicate()
+    limit = time.monotonic() + 60
+    while psutil.pid_exists(pid) and time.monotonic() < limit:
+        if psutil.Process(pid).status() == psutil.STATUS_ZOMBIE:
+            break
+        time.sleep(0.2)
+    assert time.monotonic() < limit
+
+
+def test_a_helper_that_fails_costs_nothing_but_its_plans() -> None:
+    crew = Crew(paper_shaped(5, 2, 1), "no-such-backend", 0, 5, None, 1)
+    found: list[Routes] = []
+    crew.close(found.append, wait=60)
+    assert found == []
+
+
+def test_the_number_of_helpers_can_be_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QROBOT_HELPERS", "0")
+    assert spare_cores() == 0
+    monkeypatch.setenv("QROBOT_HELPERS", "2")
+    assert spare_cores() == 2
+    monkeypatch.delenv("QROBOT_HELPERS")
+    assert 0 <= spare_cores() < max(2, os.cpu_count() or 1)
