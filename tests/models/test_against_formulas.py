@@ -132,7 +132,8 @@ def test_the_energy_of_a_plan_is_its_distance(
     decoded = model.decode(sample)
     assert decoded.feasible, decoded.violations
     assert decoded.distance == pytest.approx(distance, abs=1e-9)
-    assert sorted(map(tuple, filter(None, decoded.routes))) == sorted(map(tuple, filter(None, routes)))
+    driven = sorted(map(tuple, filter(None, decoded.routes)))
+    assert driven == sorted(map(tuple, filter(None, routes)))
     samples = dimod.SampleSet.from_samples_bqm(sample, model.bqm)
     feasible, costs = model.decode_all(samples)
     assert feasible.tolist() == [True]
