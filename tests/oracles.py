@@ -116,9 +116,7 @@ def subset_programme(instance: Instance) -> float | None:
                 path[mask][j] = d[0][j + 1]
             else:
                 before = path[rest]
-                path[mask][j] = min(
-                    before[i] + d[i + 1][j + 1] for i in range(n) if rest >> i & 1
-                )
+                path[mask][j] = min(before[i] + d[i + 1][j + 1] for i in range(n) if rest >> i & 1)
         tour[mask] = min(path[mask][j] + d[j + 1][0] for j in range(n) if mask >> j & 1)
     best = tour
     for _ in range(len(instance.robots) - 1):
