@@ -21,15 +21,16 @@ HEAVY = {
     "qiskit", "scipy", "tensorflow",
 }  # fmt: skip
 
-FLOORS = ["problem", "plan", "models", "backends", "planning", "report", "cli"]
+FLOORS = ["problem", "plan", "models", "remote", "backends", "planning", "report", "cli"]
 MAY_IMPORT = {
     "problem": set(),
     "plan": {"problem"},
     "models": {"problem"},
-    "backends": {"problem", "models"},
-    "planning": {"problem", "plan", "models", "backends"},
+    "remote": set(),
+    "backends": {"problem", "models", "remote"},
+    "planning": {"problem", "plan", "models", "backends", "remote"},
     "report": {"problem", "plan", "models", "backends", "planning"},
-    "cli": {"problem", "plan", "models", "backends", "planning", "report"},
+    "cli": {"problem", "plan", "models", "remote", "backends", "planning", "report"},
 }
 
 

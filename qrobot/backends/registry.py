@@ -30,10 +30,22 @@ BUILTIN: dict[str, tuple[str, str, str]] = {
     "batching": ("qrobot.backends.batching", "BatchingPlanner", "numpy"),
     "neal": ("qrobot.backends.neal", "NealSampler", "dwave.samplers"),
     "tabu": ("qrobot.backends.tabu", "TabuSampler", "dwave.samplers"),
+    "descent": ("qrobot.backends.descent", "DescentSampler", "dwave.samplers"),
+    "dwave-qpu": ("qrobot.backends.dwave_qpu", "DWaveQPUSampler", "dwave.system"),
+    "leap-bqm": ("qrobot.backends.leap", "LeapBQMSampler", "dwave.system"),
+    "leap-cqm": ("qrobot.backends.leap", "LeapCQMSampler", "dwave.system"),
+    "leap-nl": ("qrobot.backends.leap_nl", "LeapNLSampler", "dwave.system"),
 }
 """In order of preference."""
 
-EXTRAS = {"pyvrp": "planners", "pyvrp-plain": "planners"}
+EXTRAS = {
+    "pyvrp": "planners",
+    "pyvrp-plain": "planners",
+    "dwave-qpu": "dwave",
+    "leap-bqm": "dwave",
+    "leap-cqm": "dwave",
+    "leap-nl": "dwave",
+}
 
 
 def _plugins() -> dict[str, importlib.metadata.EntryPoint]:

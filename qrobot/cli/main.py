@@ -20,6 +20,8 @@ COMMANDS = {
     "check": "Check a plan against its instance, without trusting any solver.",
     "backends": "List the backends: what they can do and how to install them.",
     "bench": "Compare backends on a folder of instances.",
+    "jobs": "List, fetch and cancel jobs on remote machines.",
+    "doctor": "Show versions, extras, credentials present, and folders.",
 }
 """Name and one line of help; the module of the same name holds the command."""
 

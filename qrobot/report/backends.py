@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from qrobot.backends import available, get, names
+from qrobot.backends import available, get, names, registry
 from qrobot.errors import QRobotError
 from qrobot.report.text import columns
 
@@ -20,7 +20,8 @@ def backend_rows() -> list[dict[str, Any]]:
         try:
             row |= asdict(get(name).capabilities)
         except (QRobotError, ImportError) as error:
-            row |= {"installed": False, "problem": str(error)}
+            extra = registry.EXTRAS.get(name)
+            row |= {"installed": False, "problem": str(error), "extra": extra}
         rows.append(row)
     return rows
 
@@ -31,7 +32,8 @@ def backend_table(rows: list[dict[str, Any]]) -> str:
     lines = []
     for row in rows:
         if "kind" not in row:
-            lines.append([row["name"], "?", "?", "no", "?", "?", row.get("problem", "")])
+            how = f": pip install 'qrobot[{row['extra']}]'" if row.get("extra") else ""
+            lines.append([row["name"], "-", "-", f"no{how}", "-", "-", "-"])
             continue
         lines.append(
             [

@@ -1,0 +1,92 @@
+"""``qrobot jobs``: jobs on remote machines that outlived their process."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+__all__ = ["command"]
+
+
+@click.group("jobs")
+def command() -> None:
+    """List, fetch and cancel jobs on remote machines.
+
+    Every remote job is kept in a small file of yours before it is submitted, so that its
+    answer can be fetched when the process that asked for it is gone.
+
+    \b
+    Examples:
+      qrobot jobs list --refresh
+      qrobot jobs fetch qr-3f9a2c71d0b4 --output samples.json
+      qrobot jobs cancel qr-3f9a2c71d0b4
+    """
+
+
+@command.command("list")
+@click.option("--state", help="Only submitting, queued, running, done, failed or cancelled.")
+@click.option("--backend", help="Only jobs of this backend.")
+@click.option("--refresh", is_flag=True, help="Ask the services first.")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) -> None:
+    """List jobs, the newest first."""
+    from qrobot.backends import get
+    from qrobot.remote import JobStore, refresh_all
+    from qrobot.remote.text import jobs_table
+
+    with JobStore() as store:
+        jobs = store.list(None if refresh else state, backend)
+        troubles = refresh_all(jobs, store, get) if refresh else []
+        jobs = [job for job in jobs if state in (None, job.state)]
+    for trouble in troubles:
+        click.echo(f"not refreshed: {trouble}", err=True)
+    if as_json:
+        click.echo(json.dumps([job.to_dict() for job in jobs], indent=1))
+    else:
+        click.echo(jobs_table(jobs))
+
+
+@command.command("fetch")
+@click.argument("job")
+@click.option("--output", "-o", type=click.Path(), help="Write the samples as JSON (of dimod).")
+@click.option("--json", "as_json", is_flag=True, help="Print what is known as JSON.")
+def fetch_(job: str, output: str | None, as_json: bool) -> None:
+    """Fetch the samples of a JOB that is done, by its id or the beginning of it."""
+    from qrobot._files import write_text_atomic
+    from qrobot.backends import get
+    from qrobot.remote import JobStore, fetch
+    from qrobot.remote.text import samples_report, samples_text
+
+    with JobStore() as store:
+        samples = fetch(job, store, get)
+        report = samples_report(store.get(job), samples)
+    if output:
+        write_text_atomic(output, json.dumps(samples.to_serializable()) + "\n")
+    click.echo(json.dumps(report, indent=1) if as_json else samples_text(report))
+    if output and not as_json:
+        click.echo(f"written: {Path(output)}")
+
+
+@command.command("cancel")
+@click.argument("job")
+def cancel_(job: str) -> None:
+    """Ask the service to drop a JOB that is not over."""
+    from qrobot.backends import get
+    from qrobot.remote import JobStore, cancel
+
+    with JobStore() as store:
+        dropped = cancel(job, store, get)
+    note = f": {dropped.problem}" if dropped.problem else ""
+    click.echo(f"{dropped.id} is {dropped.state}{note}")
+
+
+@command.command("forget")
+@click.option("--days", type=float, default=30.0, show_default=True, help="Older than this.")
+def forget_(days: float) -> None:
+    """Forget jobs that are over, and their answers; jobs that may still run are kept."""
+    from qrobot.remote import JobStore
+
+    with JobStore() as store:
+        click.echo(f"{store.prune(days)} jobs are forgotten")

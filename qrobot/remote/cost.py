@@ -1,0 +1,101 @@
+"""What a remote job is expected to cost, and the refusal of what costs too much.
+
+Prices change and contracts differ: every estimate says what it was reckoned with, and a
+variable of the environment replaces each price that is written here. Prices that a service
+tells by itself (Braket's device properties) are preferred to ours.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+from qrobot.errors import BackendError, InputError
+from qrobot.remote.job import Estimate
+
+__all__ = ["PRICES", "by_shots", "by_time", "check_budget", "device_price", "price"]
+
+PRICES: dict[str, tuple[str, float, str]] = {
+    # name: (variable that replaces it, US dollars, of what)
+    "dwave-hour": ("QROBOT_USD_PER_DWAVE_HOUR", 2000.0, "hour of QPU access"),
+    "ibm-second": ("QROBOT_USD_PER_IBM_SECOND", 1.60, "second of QPU time"),
+    "braket-task": ("QROBOT_USD_PER_BRAKET_TASK", 0.30, "task on a QPU"),
+}
+"""Published on-demand prices, rounded; yours may differ."""
+
+
+def price(name: str) -> float:
+    """Return a price of `PRICES`, or what its variable says.
+
+    Raises
+    ------
+    InputError
+        When the variable holds no amount of money.
+    """
+    variable, usd, _ = PRICES[name]
+    text = os.environ.get(variable)
+    if not text:
+        return usd
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= 0):
+        raise InputError(
+            f"the variable {variable} holds no amount of money", mend="give US dollars, as in 1.5"
+        )
+    return value
+
+
+def by_time(seconds: float, usd_per_second: float, what: str) -> Estimate:
+    """Return the estimate of a device that bills by time."""
+    basis = f"{seconds:.3g} s of {what} at {usd_per_second:.4g} USD/s"
+    return Estimate(seconds * usd_per_second, seconds, basis)
+
+
+def by_shots(shots: int, usd_per_shot: float, usd_per_task: float, tasks: int = 1) -> Estimate:
+    """Return the estimate of a device that bills by task and shot."""
+    basis = f"{tasks} task(s) at {usd_per_task:g} USD + {shots} shots at {usd_per_shot:g} USD"
+    return Estimate(tasks * usd_per_task + shots * usd_per_shot, None, basis)
+
+
+def device_price(properties: Any) -> tuple[float, str] | None:
+    """Return price and unit that a Braket device tells of itself, such as ``(0.0009, "shot")``.
+
+    Parameters
+    ----------
+    properties
+        ``AwsDevice.properties``.
+    """
+    cost = getattr(getattr(properties, "service", None), "deviceCost", None)
+    usd, unit = getattr(cost, "price", None), getattr(cost, "unit", None)
+    return (float(usd), str(unit)) if isinstance(usd, int | float) and unit else None
+
+
+def check_budget(estimate: Estimate, max_cost: float | None) -> None:
+    """Refuse a job that would, or might, cost more than allowed.
+
+    Raises
+    ------
+    InputError
+        When `max_cost` is no amount.
+    BackendError
+        When the estimate is above `max_cost`, or unknown while there is a limit.
+    """
+    if max_cost is None:
+        return
+    if not max_cost >= 0:
+        raise InputError(
+            f"{max_cost:g} is no amount of money", field="max_cost", mend="give 0 or more dollars"
+        )
+    if estimate.usd is None:
+        raise BackendError(
+            f"the cost cannot be estimated ({estimate.basis or 'no price is known'}), so the limit"
+            f" of {max_cost:g} USD cannot be kept; nothing was submitted"
+        )
+    if estimate.usd > max_cost:
+        raise BackendError(
+            f"the job would cost about {estimate}, more than the limit of {max_cost:g} USD;"
+            " nothing was submitted"
+        )
