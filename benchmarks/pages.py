@@ -45,9 +45,7 @@ def host(report: dict[str, Any]) -> str:
 
 def startup(r: dict[str, Any]) -> str:
     loaded = r["heavy_modules_loaded"]
-    ratio = (
-        f"{r['help_seconds']:.3f} s / {r['click_seconds']:.3f} s = {r['help_over_click']:.2f}"
-    )
+    ratio = f"{r['help_seconds']:.3f} s / {r['click_seconds']:.3f} s = {r['help_over_click']:.2f}"
     return f"""## Starting up
 
 {host(r)}

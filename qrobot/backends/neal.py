@@ -23,7 +23,7 @@ SEEDS = 2**31
 
 READS = 100
 SWEEPS = 2_000
-HOT, COLD = 5.0, 50.0
+HOT, COLD = 3.0, 50.0
 """Inverse temperatures in units of 1 / largest distance, measured: docs/formulation.md."""
 
 
@@ -65,8 +65,8 @@ class NealSampler(PickingSampler):
         Parameters
         ----------
         largest_distance
-            Largest distance of the instance, d. The annealing starts at temperature d / 5,
-            where robots change places freely under the measured penalties, and ends at
+            Largest distance of the instance, d. The annealing starts at temperature d / 3,
+            where items change places freely under the measured penalties, and ends at
             d / 50, where a detour of a fiftieth of d is still seen.
         """
         return {

@@ -81,14 +81,13 @@ class Penalties:
         """
         squares = instance.weights.astype(np.float64) ** 2
         square = float(squares.mean()) if squares.any() else 1.0
-        trips = _trips_needed(instance)
-        several = len(fleet_of(instance)) > 1
+        robots = len(fleet_of(instance))
         if encoding == "compact":
-            a = _compact_weight(instance, trips if several else 0)
-            b = 0.75 * a / square
+            a = _compact_weight(instance, min(robots, _trips_needed(instance) + 1))
+            b = a / square
         else:
-            a = 0.75 * _largest(instance.distances)
-            b = 1.3 * a / square
+            a = (0.5 + 0.25 * min(robots, 3)) * _largest(instance.distances)
+            b = (0.5 if robots == 1 else 1.0) * a / square
         return cls(
             step=a,
             visit=a,
@@ -165,14 +164,14 @@ class Penalties:
 
 
 def _compact_weight(instance: Instance, trips: int) -> float:
-    """Return A for the compact encoding; `trips` is 0 when a single vehicle does all."""
+    """Return A for the compact encoding; the shorter the trips, the larger."""
     d = instance.distances
     n = len(d) - 1
     if n < 2:
         return _largest(d)
     spread = float(d[~np.eye(n + 1, dtype=bool)].std())
-    if trips:
-        return max((1.1 + 3.6 * trips / n) * spread, 0.1 * _largest(d))
+    if trips > 1:
+        return max((1.7 + 6.5 * (trips / n) ** 2) * spread, 0.1 * _largest(d))
     # What the two cheapest ways at an item still cost after the shift is what dropping
     # the item would gain at least.
     shifted = potentials_of(instance, several=False).shifted(d)

@@ -16,6 +16,7 @@ from strategies import instances
 
 from qrobot.backends import Planner, Stop, get
 from qrobot.backends.batching import improve_tour, tour_length
+from qrobot.backends.testing import PlannerConformance
 from qrobot.errors import BackendError
 from qrobot.planning.run import plan_fits
 from qrobot.problem import Instance, Robot
@@ -141,3 +142,18 @@ def test_improved_tours_keep_their_stops_and_are_local_optima(
             assert tour_length(d, [*rest[:at], short[i], *rest[at:]]) >= length - 1e-9
     if n <= 3:
         assert length == min(tour_length(d, list(p)) for p in permutations(tour))
+
+
+class TestExactConformance(PlannerConformance):
+    def make(self) -> Planner:
+        return search("exact")
+
+
+class TestBatchingConformance(PlannerConformance):
+    def make(self) -> Planner:
+        return search("batching")
+
+
+class TestPyVRPConformance(PlannerConformance):
+    def make(self) -> Planner:
+        return search("pyvrp")

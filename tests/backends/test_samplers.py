@@ -1,0 +1,131 @@
+"""The samplers neal and tabu: conformance, repeatability, refusals, and plans they find."""
+
+from __future__ import annotations
+
+import time
+from typing import ClassVar
+
+import dimod
+import numpy as np
+import pytest
+from oracles import least_distance, paper_shaped
+
+from qrobot.backends.neal import NealSampler
+from qrobot.backends.sampler import PickingSampler
+from qrobot.backends.tabu import TabuSampler
+from qrobot.backends.testing import SamplerConformance
+from qrobot.errors import InputError
+from qrobot.models import build_model
+
+SAMPLERS = [NealSampler, TabuSampler]
+
+
+class TestNeal(SamplerConformance):
+    def make(self) -> PickingSampler:
+        return NealSampler()
+
+
+class TestTabu(SamplerConformance):
+    parameters: ClassVar[dict[str, int]] = {"moves": 50, "num_restarts": 2}
+
+    def make(self) -> PickingSampler:
+        return TabuSampler()
+
+
+@pytest.mark.parametrize("sampler", SAMPLERS)
+@pytest.mark.parametrize(("items", "robots"), [(6, 1), (5, 2)])
+def test_they_find_the_least_distance_by_themselves(
+    sampler: type[PickingSampler], items: int, robots: int
+) -> None:
+    instance = paper_shaped(items, robots, 2)
+    best = least_distance(instance)
+    assert best is not None
+    model = build_model(instance)
+    one = sampler()
+    defaults = one.picking_defaults(largest_distance=float(instance.distances.max()))
+    samples = one.sample(model.bqm, seed=1, **defaults)
+    feasible, distances = model.decode_all(samples)
+    assert feasible.any()
+    assert distances.min() == pytest.approx(best[0])
+
+
+@pytest.mark.parametrize("sampler", SAMPLERS)
+def test_different_seeds_give_different_reads(sampler: type[PickingSampler]) -> None:
+    model = build_model(paper_shaped(6, 1, 0))
+    one, two = (sampler().sample(model.bqm, num_reads=5, seed=s).record.sample for s in (1, 2))
+    assert not np.array_equal(one, two)
+
+
+@pytest.mark.parametrize("sampler", SAMPLERS)
+def test_seeds_of_any_size_are_taken(sampler: type[PickingSampler]) -> None:
+    bqm = dimod.BinaryQuadraticModel({"a": -1.0}, {}, 0.0, "BINARY")
+    for seed in (0, 2**31 - 1, 2**31, 2**40):
+        assert sampler().sample(bqm, seed=seed).first.sample == {"a": 1}
+
+
+@pytest.mark.parametrize("sampler", SAMPLERS)
+def test_reads_start_where_they_are_told_to(sampler: type[PickingSampler]) -> None:
+    bqm = dimod.BinaryQuadraticModel({"a": -1.0, "b": 1.0}, {"ab": 0.5}, 0.0, "BINARY")
+    samples = sampler().sample(bqm, initial_states=[{"a": 1, "b": 0}, {"a": 0, "b": 1}], seed=1)
+    assert len(samples) == 2
+    with pytest.raises(InputError, match="initial states"):
+        sampler().sample(
+            bqm, initial_states=[{"a": 1, "b": 0}], initial_states_generator="none", num_reads=2
+        )
+
+
+@pytest.mark.parametrize(
+    ("sampler", "wrong"),
+    [
+        (NealSampler, {"beta_range": [1.0, -1.0]}),
+        (NealSampler, {"beta_schedule_type": "wild"}),
+        (NealSampler, {"num_reads": 0}),
+        (NealSampler, {"num_reads": 1.5}),
+        (TabuSampler, {"tenure": 99}),
+        (TabuSampler, {"num_reads": -1}),
+    ],
+)
+def test_unusable_parameters_are_refused_in_a_sentence(
+    sampler: type[PickingSampler], wrong: dict[str, object]
+) -> None:
+    bqm = dimod.BinaryQuadraticModel({"a": -1.0, "b": 1.0}, {"ab": 0.5}, 0.0, "BINARY")
+    with pytest.raises(InputError, match="refused its parameters"):
+        sampler().sample(bqm, **wrong)
+
+
+def test_a_refusal_names_the_coefficient() -> None:
+    bqm = dimod.BinaryQuadraticModel({"a": 1.0, "b": 0.0}, {"ab": float("nan")}, 0.0, "BINARY")
+    with pytest.raises(InputError, match=r"'[ab]' with '[ab]' is not a finite number"):
+        NealSampler().sample(bqm)
+
+
+def test_an_interrupt_keeps_the_reads_so_far() -> None:
+    model = build_model(paper_shaped(6, 1, 0))
+    asked: list[int] = []
+
+    def enough() -> bool:
+        asked.append(1)
+        return len(asked) >= 3
+
+    for sampler in SAMPLERS:
+        asked.clear()
+        samples = sampler().sample(model.bqm, num_reads=50, seed=1, interrupt_function=enough)
+        assert len(samples) == 3
+
+
+def test_tabu_takes_a_clock_when_asked() -> None:
+    model = build_model(paper_shaped(6, 1, 0))
+    begun = time.perf_counter()
+    samples = TabuSampler().sample(
+        model.bqm, num_reads=2, timeout=50, num_restarts=10**6, moves=10**6
+    )
+    assert len(samples) == 2
+    assert time.perf_counter() - begun < 5.0
+
+
+def test_tabu_ends_at_a_threshold() -> None:
+    model = build_model(paper_shaped(6, 1, 0))
+    samples = TabuSampler().sample(
+        model.bqm, num_reads=1, seed=1, energy_threshold=1e9, num_restarts=10**6
+    )
+    assert samples.record.num_restarts[0] == 0
