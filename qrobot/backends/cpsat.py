@@ -9,8 +9,6 @@ from __future__ import annotations
 import threading
 from typing import Any
 
-import numpy as np
-
 from qrobot.backends.base import Stop
 from qrobot.errors import MissingExtraError
 
@@ -18,6 +16,9 @@ __all__ = ["new_solver", "solve"]
 
 POLL = 0.05
 """Seconds between looks at interrupts."""
+
+LONGEST = 1e6
+"""Seconds; longer limits are none, and would not fit CP-SAT's milliseconds."""
 
 
 def new_solver(what: str) -> Any:
@@ -63,7 +64,7 @@ def solve(solver: Any, stop: Stop, seed: int) -> int:
     if stop.max_work is not None:
         parameters += f" max_deterministic_time:{max(stop.max_work, 1) / 1000}"
     solver.SetSolverSpecificParametersAsString(parameters)
-    if np.isfinite(stop.remaining):
+    if stop.remaining < LONGEST:
         solver.SetTimeLimit(max(1, int(1000 * stop.remaining)))
     status: list[int] = []
     # Solve releases the interpreter, so this thread can watch for interrupts.
@@ -71,6 +72,6 @@ def solve(solver: Any, stop: Stop, seed: int) -> int:
     worker.start()
     while worker.is_alive():
         worker.join(POLL)
-        if stop.requested:
+        if stop.remaining <= 0:
             solver.InterruptSolve()
     return status[0] if status else int(solver.NOT_SOLVED)

@@ -14,7 +14,7 @@ __all__ = ["command"]
 @click.command("bench")
 @click.argument("folder", type=click.Path())
 @click.option("--backends", default="auto", show_default=True, help="Names, with commas.")
-@click.option("--deadline", "-t", type=float, default=10.0, show_default=True, help="Of each run.")
+@click.option("--deadline", "-t", type=float, help="Seconds of each run.  [default: 10]")
 @click.option("--max-work", type=int, help="Limit of work units of each run.")
 @click.option("--seeds", type=int, default=1, show_default=True, help="Runs of each pair.")
 @click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
@@ -28,7 +28,7 @@ __all__ = ["command"]
 def command(
     folder: str,
     backends: str,
-    deadline: float,
+    deadline: float | None,
     max_work: int | None,
     seeds: int,
     robots: int | str | None,
@@ -53,9 +53,10 @@ def command(
     from qrobot.backends import get
     from qrobot.cli.signals import terminate_as_interrupt
     from qrobot.errors import InputError
+    from qrobot.planning import DEFAULT_DEADLINE
     from qrobot.report.bench import BenchRow, find_instances, run_bench, tasks
     from qrobot.report.bench_faces import bench_csv, bench_markdown, bench_plot
-    from qrobot.report.outputs import check_writable
+    from qrobot.report.outputs import check_outputs
     from qrobot.report.picture import check_picture_path
 
     if seeds < 1:
@@ -64,9 +65,14 @@ def command(
     for name in named:
         if name != "auto":
             get(name)
-    for path in (json_path, csv_path, markdown_path, plot_path):
-        if path:
-            check_writable(path)
+    if not named:
+        raise InputError("no backend is named", field="--backends", mend="name one, such as auto")
+    for value, name in ((deadline, "--deadline"), (limit, "--limit"), (max_work, "--max-work")):
+        if value is not None and not 0 < value < float("inf"):
+            raise InputError(f"{value} is not above zero", field=name, mend="give a number above 0")
+    if deadline is None and max_work is None:
+        deadline = DEFAULT_DEADLINE
+    check_outputs([path for path in (json_path, csv_path, markdown_path, plot_path) if path])
     if plot_path:
         check_picture_path(plot_path)
     todo = tasks(
@@ -78,7 +84,8 @@ def command(
         robots=robots,
         robots_for=robots_for,
     )
-    click.echo(f"{len(todo)} runs, at most {len(todo) * deadline:.0f} s of searching", err=True)
+    most = "" if deadline is None else f", at most {len(todo) * deadline:.0f} s of searching"
+    click.echo(f"{len(todo)} runs{most}", err=True)
 
     def tell(number: int, row: BenchRow) -> None:
         gap = "" if row.gap is None else f", gap {row.gap:.2%}"

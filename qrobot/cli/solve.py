@@ -73,10 +73,11 @@ def command(
     from qrobot.errors import InfeasibleError, QRobotError
     from qrobot.planning import solve
     from qrobot.problem.formats import read
-    from qrobot.report.outputs import check_writable
+    from qrobot.report.outputs import check_outputs
 
-    for path in [*([output] if output else []), *picture]:
-        check_writable(path)
+    check_outputs(
+        [*([output] if output else []), *picture], [instance, *([layout] if layout else [])]
+    )
     if picture:
         from qrobot.report import check_picture_path
 

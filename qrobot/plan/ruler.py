@@ -54,9 +54,11 @@ class Ruler:
 
     def leg(self, a: Place | None, b: Place | None) -> float:
         """Return the length of one way, ``inf`` without one; ``None`` stands for the depot."""
+        if a == b:
+            return 0.0  # a table's diagonal is no way
         if (a, b) not in self._known:
             if self._walk is not None:
-                length = 0.0 if a == b else self._walk(a, b)
+                length = self._walk(a, b)
             elif isinstance(self._warehouse, DistanceTable):
                 length = _in_table(self._warehouse, a, b)
             else:

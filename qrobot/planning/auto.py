@@ -26,6 +26,9 @@ FIRST_SHARE, FIRST_SECONDS, FIRST_WORK = 0.1, 0.5, 5
 """Before a proof, the search gets a tenth of the time, at most half a second, or a fifth of
 the work."""
 
+PROOF_SHARE = 0.6
+"""The proof gets this share of the time; then the search goes on."""
+
 BOUND_SHARE, BOUND_SECONDS = 0.07, 1.0
 """The bound of large instances gets a fourteenth of the time, at most a second."""
 
@@ -55,7 +58,7 @@ def run_auto(run: Run) -> None:
     if small and not run.finished and _has_cp_sat():
         # A first plan tells the set partition which trips cannot be part of a better one.
         run.plan(search, _part(run.stop, FIRST_SHARE, FIRST_SECONDS))
-        run.plan(exact, run.stop)
+        run.plan(exact, _proving(run.stop))
     if not run.finished and not run.stop():
         _search_on(run, search)
     bound_from_below(run)
@@ -126,6 +129,12 @@ def bound_from_below(run: Run) -> None:
         part = _part(run.stop, 1.0, BOUND_SECONDS)
         run.raise_bound(forest_bound(run.instance, run.cost, part))
         run.raise_bound(walk_bound(run.instance, run.cost, part))
+
+
+def _proving(stop: Stop) -> Stop:
+    """Return a stop that leaves a search its share when the proof takes too long."""
+    left = stop.remaining
+    return stop if math.isinf(left) else stop.within(PROOF_SHARE * left)
 
 
 def _has_cp_sat() -> bool:

@@ -140,12 +140,16 @@ class Run:
                     start=self.routes,
                     on_best=self.offer,
                 )
-            except QRobotError:
-                raise
             except Exception as error:
-                raise BackendError(
-                    f"backend {planner.name} failed: {type(error).__name__}: {error}"
-                ) from error
+                ours = isinstance(error, QRobotError)
+                text = str(error) if ours else f"{type(error).__name__}: {error}"
+                if self.routes is not None:
+                    # A plan that is there already must not be lost to a later step.
+                    self.notes.append(f"backend {planner.name} failed ({text})")
+                    return Search()
+                if ours:
+                    raise
+                raise BackendError(f"backend {planner.name} failed: {text}") from error
         self.work[planner.name] = self.work.get(planner.name, 0) + found.work
         if found.routes is not None:
             self.offer(found.routes)

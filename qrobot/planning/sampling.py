@@ -22,6 +22,9 @@ __all__ = ["run_sampler"]
 MAX_VARIABLES = 20_000
 """Larger models are refused: their couplings alone would fill a Pi's memory."""
 
+MAX_CELLS = 500_000_000
+"""Reads times variables, one byte each: more than this fills a small robot's memory."""
+
 STARTS = 10
 """Reads that are repaired and polished, the best first."""
 
@@ -118,6 +121,13 @@ def _sample(
         parameters.setdefault("interrupt_function", part)
     if run.stop.max_work is not None and "num_reads" in sampler.parameters:
         parameters["num_reads"] = min(parameters.get("num_reads", 100), run.stop.max_work)
+    reads = parameters.get("num_reads")
+    if isinstance(reads, int) and reads * model.num_variables > MAX_CELLS:
+        raise InputError(
+            f"{reads} reads of {model.num_variables} variables do not fit into memory",
+            field="num_reads",
+            mend=f"use at most {MAX_CELLS // model.num_variables}",
+        )
     begun = time.perf_counter()
     try:
         samples = sampler.sample(model.bqm, **parameters)

@@ -94,6 +94,10 @@ def solve(
             field="backend",
             mend="leave it out, or choose a sampler such as neal",
         )
+    if control and (chosen is None or isinstance(chosen, Planner)):
+        raise InputError(
+            f"backend {backend} has no control", field="control", mend="it is for samplers"
+        )
     run = Run(instance, Stop(deadline, max_work, parent=stop), seed, on_progress)
     if (reason := reason_infeasible(instance)) is not None:
         raise InfeasibleError(reason)

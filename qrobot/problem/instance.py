@@ -174,13 +174,24 @@ class Instance:
         """Whether some order has several stops, so that its items must be kept together."""
         return len(self.stops) > len(self.orders)
 
+    @property
+    def _metric(self) -> bool:
+        """Whether the kind of warehouse alone guarantees the triangle inequality."""
+        kind = self.warehouse
+        return kind.kind == "aisles" or (kind.kind == "floor" and kind.rounding == "none")
+
     @cached_property
     def stops(self) -> tuple[tuple[int, ...], ...]:
-        """Nodes of each stop: items of one order in one place are collected at one stop."""
-        found: dict[tuple[int, Place], list[int]] = {}
+        """Nodes of each stop: items of one order in one place are collected at one stop.
+
+        Only where no way is shorter over a third place: otherwise passing a place twice can
+        pay, and every item is a stop of its own.
+        """
+        found: dict[tuple[int, Place | int], list[int]] = {}
         for o, nodes in enumerate(self.order_nodes):
             for node in nodes:
-                found.setdefault((o, self.items[node - 1].place), []).append(node)
+                place = self.items[node - 1].place if self._metric else node
+                found.setdefault((o, place), []).append(node)
         return tuple(tuple(nodes) for nodes in found.values())
 
     @cached_property

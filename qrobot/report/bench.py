@@ -99,7 +99,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     found = sorted(
         path
         for path in root.iterdir()
-        if path.suffix in SUFFIXES
+        if path.suffix.lower() in SUFFIXES
         and path.name not in {"index.json", "layout.json"}
         and not path.name.endswith((".layout.json", ".schema.json"))
         and fnmatch.fnmatch(path.name, match if any(c in match for c in "*?[") else f"{match}*")

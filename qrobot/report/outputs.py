@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from qrobot._files import StrPath, read_text
 from qrobot.errors import InputError
 from qrobot.plan import Plan
 
-__all__ = ["check_writable", "read_plan"]
+__all__ = ["check_outputs", "check_writable", "read_plan"]
 
 
 def check_writable(path: StrPath) -> None:
@@ -46,6 +47,23 @@ def check_writable(path: StrPath) -> None:
             source=os.fspath(path),
             mend="check the permissions, or choose another place",
         )
+
+
+def check_outputs(outputs: Sequence[StrPath], inputs: Sequence[StrPath] = ()) -> None:
+    """Refuse outputs that cannot be written, overwrite an input, or share a name.
+
+    Raises
+    ------
+    InputError
+        With the path and the mend.
+    """
+    taken = {os.path.realpath(path): "is an input" for path in inputs}
+    for path in outputs:
+        check_writable(path)
+        real = os.path.realpath(path)
+        if real in taken and not real.startswith("/dev/"):
+            raise InputError(taken[real], source=os.fspath(path), mend="give another name")
+        taken[real] = "is written twice"
 
 
 def read_plan(path: StrPath) -> Plan:

@@ -112,6 +112,11 @@ def test_robots_and_capacity_are_overridden() -> None:
         (["solve", "{example}", "--picture", "plan.jpg"], 2, ".svg or .png"),
         (["check", "{example}", "{example}"], 2, "unknown schema"),
         (["check", "{empty}", "{example}"], 2, "empty"),
+        (["solve", "{example}", "-o", "same.svg", "-p", "same.svg"], 2, "is written twice"),
+        (["bench", "{examples}", "--json", "b.txt", "--csv", "b.txt"], 2, "is written twice"),
+        (["bench", "{examples}", "--deadline", "nan"], 2, "--deadline"),
+        (["bench", "{examples}", "--limit", "0"], 2, "--limit"),
+        (["bench", "{examples}", "--backends", ","], 2, "no backend"),
         (["bench", "{folder}"], 2, "holds no"),
         (["bench", "missing-folder"], 2, "is no folder"),
         (["bench", "{examples}", "--seeds", "0"], 2, "--seeds"),
@@ -298,3 +303,13 @@ def test_help_has_examples_everywhere() -> None:
         assert done.returncode == 0
         assert f"qrobot {name}" in done.stdout
         assert "Examples:" in done.stdout
+
+
+def test_an_output_never_overwrites_the_question(tmp_path: Path) -> None:
+    question = tmp_path / "mine.json"
+    text = (EXAMPLES / "paper-4-items.json").read_text()
+    question.write_text(text)
+    done = qrobot("solve", question, "-o", question)
+    assert done.returncode == 2
+    assert "is an input" in one_sentence(done)
+    assert question.read_text() == text

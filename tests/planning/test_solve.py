@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
-import signal
+import subprocess
+import sys
 import threading
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -20,6 +21,8 @@ from qrobot.backends import Stop
 from qrobot.planning.bounds import forest_bound, quick_bound, walk_bound
 from qrobot.planning.run import Progress
 from qrobot.problem import DistanceTable, Instance, Item, Node, OpenFloor, Order, Point, Robot
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def table_instance(
@@ -179,10 +182,22 @@ def test_a_request_returns_the_best_plan_so_far() -> None:
 
 
 def test_ctrl_c_returns_the_best_plan_so_far() -> None:
-    threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT)).start()
-    result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60)
-    assert result.ended == "interrupted"
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    """In a process of its own: pytest-xdist's workers do not listen to Ctrl-C."""
+    code = """
+import os, signal, sys, threading
+sys.path[:0] = ['tests', '.']
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from oracles import paper_shaped
+import qrobot
+threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60)
+assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+print(result.ended, qrobot.check(result.plan, result.instance).ok)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT
+    )
+    assert done.stdout.split() == ["interrupted", "True"], done.stderr
 
 
 def test_without_extras_whole_orders_and_large_instances_still_get_plans(
@@ -275,3 +290,56 @@ def test_paper_shaped_instances_equal_the_subset_programme(items: int, robots: i
     result = qrobot.solve(instance)
     assert result.is_optimal
     assert result.cost == pytest.approx(expected, rel=1e-9)
+
+
+def test_items_of_one_order_in_one_place_are_apart_where_detours_pay() -> None:
+    """Passing a place twice is shorter here: 1-2-1 costs 4, 1-1-2 costs 52."""
+    matrix = ((0.0, 1.0, 50.0), (1.0, 0.0, 1.0), (50.0, 1.0, 0.0))
+    items = tuple(Item(name, Fraction(1), Node(n)) for name, n in (("a", 1), ("b", 2), ("c", 1)))
+    instance = Instance(
+        DistanceTable(matrix),
+        items,
+        (Order("o", ("a", "b", "c")),),
+        (Robot("R1", Fraction(9)),),
+    )
+    result = qrobot.solve(instance)
+    assert result.cost == 4.0
+    assert result.is_optimal
+
+
+def test_the_diagonal_of_a_table_is_no_way() -> None:
+    items = tuple(Item(name, Fraction(1), Node(1)) for name in "ab")
+    instance = Instance(
+        DistanceTable(((0.0, 1.0), (1.0, 7.0))),
+        items,
+        tuple(Order(i.id, (i.id,)) for i in items),
+        (Robot("R1", Fraction(9)),),
+    )
+    assert qrobot.solve(instance).cost == 2.0
+
+
+def test_a_later_step_that_fails_does_not_cost_the_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    from qrobot.backends.exact import ExactPlanner
+
+    def crash(*_: object, **__: object) -> None:
+        raise MemoryError("boom")
+
+    monkeypatch.setattr(ExactPlanner, "search", crash)
+    result = qrobot.solve(paper_shaped(16, 4, 3), deadline=1.5)
+    assert qrobot.check(result.plan, result.instance).ok
+    assert any("MemoryError: boom" in note for note in result.notes)
+
+
+@pytest.mark.parametrize("backend", ["auto", "exact"])
+def test_absurdly_long_deadlines_are_none(backend: str) -> None:
+    assert qrobot.solve(paper_shaped(15, 4, 3), backend=backend, deadline=1e30).is_optimal
+
+
+def test_exact_has_a_plan_when_its_time_is_up() -> None:
+    result = qrobot.solve(paper_shaped(18, 3, 2), backend="exact", deadline=0.3)
+    assert qrobot.check(result.plan, result.instance).ok
+
+
+def test_planners_have_no_control() -> None:
+    with pytest.raises(qrobot.InputError, match="no control"):
+        qrobot.solve(paper_shaped(3, 1, 0), control=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
+from qrobot.backends.batching import BatchingPlanner
 from qrobot.backends.exact.cover import cheapest_cover, lagrangian
 from qrobot.backends.exact.packing import no_packing
 from qrobot.backends.exact.partition import MAX_ELEMENTS, best_split
@@ -26,6 +28,12 @@ __all__ = ["MAX_ENTRIES", "ExactPlanner"]
 
 MAX_ENTRIES = 6_000_000
 """Entries of the tour table (48 MB): more sets than that are refused."""
+
+MAX_COLUMNS = 150_000
+"""More trips than this after pricing are too many for CP-SAT's memory on a small robot."""
+
+FIRST_SHARE, FIRST_ROUNDS = 0.1, 300
+"""Of the time, and rounds of ruin and recreate, for a plan to begin with."""
 
 RESOLUTION = 1e9
 """Units in the largest distance when distances are not whole: proofs hold to 1e-8 of it."""
@@ -65,11 +73,12 @@ class ExactPlanner:
 
     All sets of orders that fit on one robot are enumerated, each gets its shortest tour
     (Held and Karp 1962), and the best split over the robots is found by a subset
-    convolution (up to 13 orders) or by set partition with CP-SAT. Work units: sets.
+    convolution (up to 13 orders) or by set partition with CP-SAT. A limit of work limits
+    CP-SAT's deterministic time; the enumeration before it is limited by `MAX_ENTRIES`.
     """
 
     name = "exact"
-    capabilities = Capabilities(kind="planner", proves=True, max_size=30)
+    capabilities = Capabilities(kind="planner", proves=True, max_size=50)
 
     def fits(self, instance: Instance) -> bool:
         """Return whether the instance is small enough."""
@@ -100,6 +109,13 @@ class ExactPlanner:
         if not instance.orders:
             return Search(routes=[], optimal=True)
         _check_size(instance)
+        if start is None and len(instance.orders) > MAX_ELEMENTS:
+            # A plan to begin with: it prices most columns out, and is there when time is up.
+            left = FIRST_SHARE * stop.remaining if stop.remaining < math.inf else None
+            quick = stop.within(left, max_work=FIRST_ROUNDS)
+            start = BatchingPlanner().search(instance, stop=quick, seed=seed).routes
+            if start is not None and on_best is not None:
+                on_best(start, instance.length(start))
         columns = _columns(instance, stop)
         if columns is None:
             return Search(routes=start)
@@ -197,7 +213,10 @@ def _cover(
     )
     bound = whole.length(prices.bound - len(capacities))
     kept = prices.rows
+    if len(kept) > MAX_COLUMNS:
+        return start, False, bound
     cover = cheapest_cover(masks[kept], costs[kept], loads[kept], orders, capacities, stop, seed)
+    bound = max(bound, whole.length(min(cover.bound, upper) - len(capacities)))
     if cover.rows is None:
         return start, cover.complete, bound
     routes = [columns.route(int(useful[kept[row]])) for row in cover.rows]

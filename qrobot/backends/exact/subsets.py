@@ -83,6 +83,7 @@ class Tours:
 
     masks: Masks
     lengths: npt.NDArray[np.float64]
+    _keys: Masks
     _paths: npt.NDArray[np.float64]
     _distances: npt.NDArray[np.float64]
 
@@ -103,7 +104,7 @@ class Tours:
 
     def rows(self, masks: Masks) -> npt.NDArray[np.intp]:
         """Return the rows of subsets, shape as `masks`."""
-        return _rows(self.masks, masks)
+        return np.searchsorted(self._keys, _key(masks))
 
 
 def shortest_tours(
@@ -129,6 +130,7 @@ def shortest_tours(
     """
     n = len(distances) - 1
     paths = np.full((len(masks), n), np.inf)
+    keys = _key(masks)
     sizes = np.bitwise_count(masks)
     starts = np.searchsorted(sizes, np.arange(1, (sizes[-1] if len(sizes) else 0) + 2))
     for size in range(1, len(starts)):
@@ -141,16 +143,10 @@ def shortest_tours(
             if size == 1:
                 paths[low + here, j] = distances[0, j + 1]
                 continue
-            before = _rows(masks, layer[here] ^ (1 << j))
+            before = np.searchsorted(keys, _key(layer[here] ^ (1 << j)))
             paths[low + here, j] = (paths[before] + distances[1:, j + 1]).min(axis=1)
     lengths = (paths + distances[1:, 0]).min(axis=1) if n else np.zeros(len(masks))
-    return Tours(masks, lengths, paths, distances)
-
-
-def _rows(masks: Masks, wanted: Masks) -> npt.NDArray[np.intp]:
-    """Return the rows of subsets in a family sorted by size, then mask."""
-    key = _key(masks)
-    return np.searchsorted(key, _key(wanted))
+    return Tours(masks, lengths, keys, paths, distances)
 
 
 def _key(masks: Masks) -> npt.NDArray[np.int64]:
