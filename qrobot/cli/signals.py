@@ -33,13 +33,15 @@ def stop_on_signals() -> Iterator[Stop]:
 
 @contextmanager
 def terminate_as_interrupt() -> Iterator[None]:
-    """Let a polite kill raise `KeyboardInterrupt`, as Ctrl-C does."""
+    """Let a polite kill raise `KeyboardInterrupt`, and Ctrl-C where it was ignored too."""
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    usual = signal.signal(signal.SIGTERM, interrupt)
+    # A shell's background jobs start with Ctrl-C ignored; `kill -INT` must still reach them.
+    usual = {n: signal.signal(n, interrupt) for n in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, usual)
+        for number, handler in usual.items():
+            signal.signal(number, handler)

@@ -92,7 +92,7 @@ class Penalties:
             step=a,
             visit=a,
             capacity=b,
-            same_robot=a,
+            same_robot=1.5 * a,
             detour=_detour(instance.distances),
             shift=1.0 if encoding == "compact" else 0.0,
         )
@@ -171,7 +171,7 @@ def _compact_weight(instance: Instance, trips: int) -> float:
         return _largest(d)
     spread = float(d[~np.eye(n + 1, dtype=bool)].std())
     if trips > 1:
-        return max((1.7 + 6.5 * (trips / n) ** 2) * spread, 0.1 * _largest(d))
+        return max((1.7 + 6.5 * (trips / n) ** 2) * spread, 0.25 * _largest(d))
     # What the two cheapest ways at an item still cost after the shift is what dropping
     # the item would gain at least.
     shifted = potentials_of(instance, several=False).shifted(d)
