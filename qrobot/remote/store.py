@@ -79,17 +79,25 @@ class JobStore:
             raise self._unusable(error.strerror or str(error)) from None
         with self._translated():
             self._db = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
-            self._db.execute("PRAGMA journal_mode=WAL")
-            self._db.execute("PRAGMA synchronous=FULL")
-            found = int(self._db.execute("PRAGMA user_version").fetchone()[0])
-            if found > VERSION:
-                raise InputError(
-                    f"was written by a newer qrobot (version {found})",
-                    source=str(self.path),
-                    mend="upgrade qrobot, or move the file away",
-                )
-            self._db.execute(_TABLE)
-            self._db.execute(f"PRAGMA user_version={VERSION}")
+            try:
+                self._prepare()
+            except BaseException:
+                self._db.close()
+                raise
+
+    def _prepare(self) -> None:
+        """Bring the file into this version's form, or refuse it."""
+        self._db.execute("PRAGMA journal_mode=WAL")
+        self._db.execute("PRAGMA synchronous=FULL")
+        found = int(self._db.execute("PRAGMA user_version").fetchone()[0])
+        if found > VERSION:
+            raise InputError(
+                f"was written by a newer qrobot (version {found})",
+                source=str(self.path),
+                mend="upgrade qrobot, or move the file away",
+            )
+        self._db.execute(_TABLE)
+        self._db.execute(f"PRAGMA user_version={VERSION}")
 
     def _unusable(self, why: str) -> InputError:
         return InputError(
