@@ -1,0 +1,180 @@
+"""The paper's rows n = 2..12 by gate-model methods, each beside its random control.
+
+    python benchmarks/gate_rows.py --json build/bench/gate-rows.json
+
+Weights are the paper's (8, 8, 3, 3, 1, 2, 4) divided by 3 and rounded up, in a sequence that has
+no common unit, then ones: so one robot of M = 15 (n up to 9) or 25 can carry everything. The
+paper gives no places: ours are seeded. Rows that count plans by distance use distances rounded
+to whole metres. Nothing is repaired, and no search knows the optimum. Times are one process on
+one thread, search included, imports and the first compilation (shown apart) left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import sys
+import time
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+from qrobot.backends.gates import (
+    DiagonalQAOA,
+    Form,
+    GateRow,
+    grover_row,
+    one_hot_row,
+    penalty_row,
+    subspace_row,
+)
+from qrobot.models import PickingModel, build_model
+from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
+
+WEIGHTS = (3, 1, 3, 1, 1, 1, 2, 1, 1, 1, 1, 1)
+
+FIELDS = (
+    ("method", "method", "{}"),
+    ("n", "items", "{}"),
+    ("K", "robots", "{}"),
+    ("M", "capacity", "{}"),
+    ("qubits", "qubits", "{}"),
+    ("states", "states", "{:,}"),
+    ("p", "layers", "{}"),
+    ("runs", "evaluations", "{}"),
+    ("seconds", "seconds", "{:.2f}"),
+    ("P(optimum)", "probability", "{:.3g}"),
+    ("random", "uniform", "{:.3g}"),
+    ("gain", "gain", "{:.1f}"),
+    ("feasible", "feasible", "{:.3g}"),
+    ("random", "feasible_uniform", "{:.3g}"),
+    ("seen in S shots", "seen", "{:.3g}"),
+    ("random", "seen_uniform", "{:.3g}"),
+    ("optimum", "distance", "{:.1f}"),
+    ("best of S", "best", "{:.1f}"),
+    ("random", "best_uniform", "{:.1f}"),
+)
+
+
+def paper_row(
+    items: int, robots: int = 1, capacity: int | None = None, *, whole: bool = False, seed: int = 7
+) -> Instance:
+    """Return the instance of a row: places on a floor of 40 m, depot in the middle."""
+    rng = random.Random(f"gate-row/{seed}")
+    places = [Point(rng.randint(0, 80) / 2, rng.randint(0, 80) / 2) for _ in range(items)]
+    room = capacity or (15 if items < 10 else 25)
+    made = tuple(Item(f"i{k + 1}", Fraction(WEIGHTS[k]), at) for k, at in enumerate(places))
+    return Instance(
+        warehouse=OpenFloor(depot_x=20.0, depot_y=20.0, rounding="nearest" if whole else "none"),
+        items=made,
+        orders=tuple(Order(item.id, (item.id,)) for item in made),
+        robots=tuple(Robot(f"R{k + 1}", Fraction(room)) for k in range(robots)),
+        name=f"gate-row-{items}-{robots}",
+    )
+
+
+def penalty_model(instance: Instance) -> PickingModel:
+    """Return the paper's model; the optimal plan is its lowest energy with these weights."""
+    step = 2.0 * float(instance.distances.max())
+    weights = {"step": step, "visit": step, "capacity": step / 20}
+    return build_model(instance, encoding="reduced", slack="paper", penalties=weights)
+
+
+def rows(largest: int, shots: int) -> Iterator[GateRow]:
+    """Yield all rows of up to `largest` items."""
+    for n in range(2, min(largest, 4) + 1):
+        yield penalty_row(penalty_model(paper_row(n)), shots=shots)
+    yield penalty_row(penalty_model(paper_row(2, 2, 3)), shots=shots)
+    for n in range(3, min(largest, 7) + 1):
+        yield one_hot_row(paper_row(n), shots=shots, evaluations=24)
+    for layers in (1, 4):
+        before: GateRow | None = None
+        for n in range(3, min(largest, 9) + 1):
+            # Angles carry over: each row begins with those of the row before.
+            start = None if before is None or layers == 1 else (before.gammas, before.betas)
+            before = subspace_row(
+                paper_row(n),
+                layers=layers,
+                shots=shots,
+                start=start,
+                evaluations=60 if start is None else 30,
+            )
+            yield before
+    for n, robots, capacity in ((4, 2, 5), (5, 2, 6), (5, 3, 4), (6, 3, 4)):
+        if n <= largest:
+            for mixer in ("swap", "grover"):
+                yield subspace_row(paper_row(n, robots, capacity), mixer, layers=2, shots=shots)
+    for n in range(5, largest + 1):
+        for layers in (1, 4, 10):
+            yield grover_row(paper_row(n, whole=True), layers=layers, shots=shots)
+    for n, robots, capacity in ((9, 2, 8), (12, 2, 10), (12, 3, 7)):
+        if n <= largest:
+            yield grover_row(paper_row(n, robots, capacity, whole=True), layers=10, shots=shots)
+
+
+def warmed() -> float:
+    """Compile, or load what was compiled, and return how long it took."""
+    began = time.perf_counter()
+    form = Form.from_bqm(penalty_model(paper_row(3)).bqm)
+    DiagonalQAOA(form, alpha=0.5).value(np.array([0.1]), np.array([0.1]))
+    return time.perf_counter() - began
+
+
+def as_markdown(found: list[GateRow]) -> str:
+    """Return the rows as a table."""
+    lines = [
+        "| " + " | ".join(title for title, _, _ in FIELDS) + " |",
+        "|" + "---|" * len(FIELDS),
+    ]
+    for row in found:
+        values = {**row.as_dict()}
+        cells = [
+            "-" if values[name] is None else form.format(values[name]) for _, name, form in FIELDS
+        ]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Measure, print and write the rows."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--largest", type=int, default=12, choices=range(2, 13))
+    parser.add_argument("--shots", type=int, default=1000)
+    parser.add_argument("--json", type=Path)
+    parser.add_argument("--markdown", type=Path)
+    arguments = parser.parse_args()
+    compiled = warmed()
+    found = []
+    for row in rows(arguments.largest, arguments.shots):
+        found.append(row)
+        print(
+            f"{row.method:8} n={row.items:2} K={row.robots} p={row.layers:2} "
+            f"{row.seconds:7.2f} s  P={row.probability:.3g}  x{row.gain:.1f} random",
+            file=sys.stderr,
+            flush=True,
+        )
+    table = as_markdown(found)
+    report = {
+        "what": "gate-model rows",
+        "shots": arguments.shots,
+        "compile_seconds": compiled,
+        "rows": [row.as_dict() for row in found],
+    }
+    for path, text in (
+        (arguments.json, json.dumps(report, indent=1) + "\n"),
+        (arguments.markdown, table),
+    ):
+        if path:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+    print(table)
+
+
+if __name__ == "__main__":
+    main()

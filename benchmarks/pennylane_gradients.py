@@ -1,0 +1,67 @@
+"""Adjoint gradients against parameter-shift on lightning.qubit, at equal steps.
+
+    python benchmarks/pennylane_gradients.py --items 3 --steps 10
+
+The same sampler, model, seed and optimiser (Adam); only ``diff_method`` differs. Both must
+walk the same way: the histories are compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+import numpy as np
+from gates_sdk.pickings import table2_model
+
+from qrobot.backends.pennylane import PennyLaneVQE
+
+
+def measure(items: int, steps: int, ansatz: str, layers: int, alpha: float) -> dict[str, float]:
+    """Return seconds a step by either method, and how far their histories differ."""
+    model = table2_model(items)
+    seconds, histories = {}, {}
+    for method in ("adjoint", "parameter-shift"):
+        given = {
+            "seed": 0,
+            "optimizer": "adam",
+            "starts": 1,
+            "ansatz": ansatz,
+            "layers": layers,
+            "alpha": alpha,
+            "diff_method": method,
+        }
+        PennyLaneVQE().sample(model.bqm, evaluations=1, **given)  # imports and first calls
+        began = time.perf_counter()
+        found = PennyLaneVQE().sample(model.bqm, evaluations=steps, **given)
+        seconds[method] = (time.perf_counter() - began) / found.info["evaluations"]
+        histories[method] = np.array(found.info["history"])
+    apart = float(np.abs(histories["adjoint"] - histories["parameter-shift"]).max())
+    return {**seconds, "ratio": seconds["parameter-shift"] / seconds["adjoint"], "apart": apart}
+
+
+def main() -> None:
+    """Print a line an ansatz."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--items", type=int, default=3)
+    parser.add_argument("--steps", type=int, default=5)
+    chosen = parser.parse_args()
+    for ansatz, layers in (("hardware", 1), ("hardware", 3), ("problem", 1)):
+        for alpha in (1.0, 0.05):
+            found = measure(chosen.items, chosen.steps, ansatz, layers, alpha)
+            print(
+                f"n={chosen.items} {ansatz} layers={layers} alpha={alpha:g}: adjoint "
+                f"{1e3 * found['adjoint']:.1f} ms a step, parameter-shift "
+                f"{1e3 * found['parameter-shift']:.1f} ms: {found['ratio']:.1f}x; "
+                f"histories apart by {found['apart']:.1e}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,84 @@
+"""numba, found late and with a place for its cache.
+
+numba keeps machine code beside the source file, or in the user's cache folder. Where both are
+read-only (a container, a service without a home) it raises ``no locator available``; then the
+code goes into a folder of our own below the system's temporary folder. Compiled code is loaded
+by unpickling, so that folder must belong to this user and be closed to others; otherwise
+nothing is cached. A folder named by NUMBA_CACHE_DIR is taken as it is.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import stat
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+__all__ = ["available", "compile_kernel", "private_folder"]
+
+OPTIONS: dict[str, Any] = {
+    "nogil": True,  # kernels run on plain threads
+    "boundscheck": False,
+    "error_model": "numpy",
+}
+# Of fast arithmetic only fused multiply-add is taken: the phase kernel rounds by adding and
+# subtracting a large number, which reordering would break. Sums alone may be reordered.
+
+caching = True
+"""Set to False when the cache's folder turned out not to take files (a full disk)."""
+
+
+def available() -> bool:
+    """Return whether numba is installed, without importing it."""
+    return importlib.util.find_spec("numba") is not None
+
+
+def compile_kernel(function: Callable[..., Any], *, sums: bool = False) -> Callable[..., Any]:
+    """Return a function that numba compiles at its first call and keeps on disk if it can.
+
+    Parameters
+    ----------
+    function
+        Plain Python that numba understands.
+    sums
+        Whether sums may be reordered, so that they become vector code.
+    """
+    numba: Any = importlib.import_module("numba")
+    if not caching:
+        return _jit(numba, function, sums, cache=False)
+    if not numba.config.CACHE_DIR:
+        try:
+            return _jit(numba, function, sums, cache=True)
+        except RuntimeError:  # no locator available
+            folder = private_folder()
+            if folder is None:
+                return _jit(numba, function, sums, cache=False)
+            numba.config.CACHE_DIR = str(folder)
+    try:
+        return _jit(numba, function, sums, cache=True)
+    except RuntimeError:
+        return _jit(numba, function, sums, cache=False)
+
+
+def _jit(
+    numba: Any, function: Callable[..., Any], sums: bool, *, cache: bool
+) -> Callable[..., Any]:
+    flags = {"contract", "reassoc", "nsz"} if sums else {"contract"}
+    made: Callable[..., Any] = numba.njit(cache=cache, fastmath=flags, **OPTIONS)(function)
+    return made
+
+
+def private_folder() -> Path | None:
+    """Return a folder for compiled code that only this user can write, or None."""
+    folder = Path(tempfile.gettempdir()) / f"qrobot-numba-{os.getuid()}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()  # not stat: a link that somebody else put there is refused
+    except OSError:
+        return None
+    mine = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+    return folder if mine and not found.st_mode & 0o022 and os.access(folder, os.W_OK) else None

@@ -1,0 +1,226 @@
+"""VQE and QAOA on PennyLane, by adjoint gradients on lightning.qubit or any other device.
+
+Variable k is wire n - 1 - k: PennyLane counts its first wire as the highest bit of an index.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.backends.variational.ansatz import Ansatz
+from qrobot.backends.variational.circuit import Circuit
+from qrobot.backends.variational.engine import Engine, StateEngine, room
+from qrobot.backends.variational.ising import terms
+from qrobot.backends.variational.options import Options
+from qrobot.backends.variational.sampler import VariationalSampler, failed
+from qrobot.errors import InputError, MissingExtraError
+
+__all__ = ["PennyLaneQAOA", "PennyLaneVQE", "hamiltonian"]
+
+Floats = npt.NDArray[np.float64]
+Bits = npt.NDArray[np.int8]
+
+DEFAULT = "lightning.qubit"
+ADJOINT = ("lightning.qubit", "lightning.kokkos", "lightning.gpu")
+"""Devices that derive a diagonal observable of any kind by one run forward and one back."""
+
+EXACT = (*ADJOINT, "default.qubit", "braket.local.qubit")
+"""Local devices with exact probabilities."""
+
+EXTRAS = {"braket": "edge", "qiskit": "edge", "lightning": "pennylane"}
+
+GATES = {"h": "Hadamard", "rx": "RX", "ry": "RY", "rz": "RZ", "rzz": "IsingZZ", "cz": "CZ"}
+
+
+def hamiltonian(bqm: Any) -> Any:
+    """Return a model's Ising form as a PennyLane Hamiltonian.
+
+    Parameters
+    ----------
+    bqm
+        A dimod model; wire k is the k-th variable, state 1 is x = 1 (dimod: s = +1).
+    """
+    qml = _need("PennyLane Hamiltonians")
+    words = terms(bqm)
+    made = [
+        qml.prod(*(qml.Z(q) for q in qubits))
+        if len(qubits) > 1
+        else qml.Z(qubits[0])
+        if qubits
+        else qml.Identity(0)
+        for _, qubits in words
+    ]
+    return qml.Hamiltonian([value for value, _ in words], made)
+
+
+class _Shots(Engine):
+    """Measured shots of any device."""
+
+    def __init__(self, circuit: Circuit, name: str, device: Any) -> None:
+        super().__init__(circuit)
+        self._qml = _need("backend pennylane")
+        self._device = device
+        self.facts = {"device": name}
+
+    def _apply(self, angles: Any) -> None:
+        last, left = self.circuit.qubits - 1, iter(angles)
+        for gate in self.circuit.gates:
+            wires = [last - q for q in gate.qubits]
+            turn = getattr(self._qml, GATES[gate.name])
+            if gate.slot >= 0:
+                turn(next(left), wires=wires)
+            else:
+                turn(wires=wires)
+
+    def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
+        """Return measured shots; a remote device cannot be seeded."""
+        self.executions += 1
+        del seed
+        qml = self._qml
+
+        def circuit() -> Any:
+            self._apply(angles)
+            return qml.sample(wires=range(self.circuit.qubits))
+
+        try:
+            node = qml.set_shots(qml.QNode(circuit, self._device, diff_method=None), shots)
+            measured = np.asarray(node())
+        except Exception as error:
+            raise failed("pennylane", "running the circuit", error) from None
+        found: Bits = measured.reshape(shots, -1)[:, ::-1].astype(np.int8)
+        return found
+
+
+class _Exact(_Shots, StateEngine):
+    """Exact probabilities, and derivatives by the device where it has them."""
+
+    def __init__(self, circuit: Circuit, name: str, device: Any, method: str | None) -> None:
+        super().__init__(circuit, name, device)
+        adjoint = "adjoint" if name in ADJOINT else "parameter-shift"
+        self._native = name in (*ADJOINT, "default.qubit")
+        self._method = method or adjoint
+        self.gradients = self._native and self._method in ("adjoint", "backprop")
+        self.facts["diff_method"] = self._method
+
+    def probabilities(self, angles: Floats) -> Floats:
+        """Return the probabilities of all assignments."""
+        self.executions += 1
+        qml = self._qml
+
+        def circuit() -> Any:
+            self._apply(angles)
+            return qml.probs(wires=range(self.circuit.qubits))
+
+        node = qml.QNode(circuit, self._device, diff_method=None)
+        return np.asarray(node(), dtype=np.float64)
+
+    def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
+        """Draw shots from the exact probabilities, by the seed."""
+        return StateEngine.samples(self, angles, shots, seed)
+
+    def slope(self, angles: Floats, weights: Floats) -> tuple[float, Floats]:
+        """Return the mean of a diagonal observable and its derivatives by the angles."""
+        if not self._native:
+            return StateEngine.slope(self, angles, weights)
+        runs = 2 * angles.size + 1 if self._method == "parameter-shift" else 1
+        self.executions += runs
+        qml, wires = self._qml, range(self.circuit.qubits)
+        # A tail is constant above its end: less that, few entries are left.
+        level = float(weights.max())
+        kept = np.flatnonzero(weights < level)
+        kept = kept if kept.size else np.zeros(1, dtype=np.int64)
+        rows = np.searchsorted(kept, np.arange(weights.size + 1))
+        matrix = importlib.import_module("scipy.sparse").csr_matrix(
+            (weights[kept] - level, kept, rows), shape=(weights.size, weights.size)
+        )
+        observable = qml.SparseHamiltonian(matrix, wires=wires)
+
+        def circuit(turns: Any) -> Any:
+            self._apply(turns)
+            return qml.expval(observable)
+
+        node = qml.QNode(circuit, self._device, diff_method=self._method)
+        slope = qml.grad(node)
+        found = np.asarray(slope(qml.numpy.array(angles, requires_grad=True)), dtype=np.float64)
+        return float(slope.forward) + level, found
+
+
+class _PennyLane(VariationalSampler):
+    """Both algorithms on PennyLane.
+
+    ``device``: any device name (``lightning.qubit`` is the default; ``default.qubit``,
+    ``braket.local.qubit``, ``braket.aws.qubit`` ...), made with ``device_options``.
+    ``diff_method``: ``adjoint`` (default where the device has it) or ``parameter-shift``.
+    """
+
+    sdk = "pennylane"
+    extra = "pennylane"
+    own: ClassVar[tuple[str, ...]] = ("diff_method",)
+
+    def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
+        """Refuse what does not fit; True for devices of this machine."""
+        _need(f"backend {self.name}")
+        method = own.get("diff_method")
+        if method not in (None, "adjoint", "parameter-shift", "backprop"):
+            raise InputError(
+                f"{method!r} is no way to derive",
+                field="diff_method",
+                mend="use adjoint or parameter-shift",
+            )
+        device = options.device or DEFAULT
+        if not isinstance(device, str):
+            return False
+        # A remote device has its own limit; every other name is simulated here.
+        remote = device in ("braket.aws.qubit", "qiskit.remote")
+        if not remote:
+            room(qubits, f"device {device}")
+        return not remote
+
+    def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
+        """Return the device, ready to run the ansatz."""
+        qml, name = _need(f"backend {self.name}"), options.device or DEFAULT
+        circuit = ansatz.circuit
+        if not isinstance(name, str):
+            return _Shots(circuit, str(getattr(name, "name", type(name).__name__)), name)
+        given = dict(options.device_options)
+        exact = name in EXACT and options.shots is None and not given.get("shots")
+        if options.seed is not None and name in (*ADJOINT, "default.qubit"):
+            given.setdefault("seed", options.seed)
+        try:
+            device = qml.device(name, wires=circuit.qubits, **given)
+        except Exception as error:
+            known = error.__class__.__name__ == "DeviceError"
+            extra = next((e for start, e in EXTRAS.items() if name.startswith(start)), None)
+            if known and extra:
+                raise MissingExtraError(f"device {name}", extra) from None
+            if known:
+                raise InputError(
+                    f"{name!r} is no PennyLane device that is installed", field="device"
+                ) from None
+            raise failed("pennylane", f"making device {name}", error) from None
+        if exact:
+            return _Exact(circuit, name, device, own.get("diff_method"))
+        return _Shots(circuit, name, device)
+
+
+class PennyLaneVQE(_PennyLane):
+    """VQE on PennyLane (backend ``pennylane-vqe``)."""
+
+    algorithm = "vqe"
+
+
+class PennyLaneQAOA(_PennyLane):
+    """QAOA on PennyLane (backend ``pennylane-qaoa``)."""
+
+    algorithm = "qaoa"
+
+
+def _need(what: str) -> Any:
+    try:
+        return importlib.import_module("pennylane")
+    except ImportError:
+        raise MissingExtraError(what, "pennylane") from None
