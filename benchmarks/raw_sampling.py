@@ -186,7 +186,7 @@ def cells(encodings: list[str]) -> list[tuple[int, int, list[str]]]:
     compact = [e for e in encodings if e == "compact"]
     found = [(1, n, compact + (paper if n in (3, 6, 9, 12) else [])) for n in range(2, 13)]
     found += [
-        (robots, n, compact + (paper if n in (3, 5, 9) else []))
+        (robots, n, compact + (paper if n in (5, 9) else []))
         for robots in (2, 3)
         for n in (3, 5, 7, 9, 12)
     ]

@@ -15,7 +15,7 @@ __all__ = ["Fleet", "Limits", "fleet_of", "limits_of"]
 Ints = npt.NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Fleet:
     """The vehicles of a model, the largest first.
 
@@ -34,7 +34,7 @@ class Fleet:
         return len(self.names)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Limits:
     """What every feasible plan keeps to, vehicle by vehicle: free cuts for a small model.
 
@@ -93,24 +93,21 @@ def limits_of(instance: Instance, fleet: Fleet) -> Limits:
     rooms = fleet.capacities
     total = int(instance.weights.sum())
     unit = float(instance.unit)
-    if total > int(rooms.sum()):
-        raise InfeasibleError(
-            f"total load {total * unit:g} exceeds the {int(rooms.sum()) * unit:g} "
-            f"that all {len(fleet)} possible trips hold together"
-        )
+    largest = f"no robot holds more than {float(max(r.capacity for r in instance.robots)):g}"
     lot = instance.order_weights
     if len(lot) and int(lot.max()) > int(rooms[0]):
         worst = instance.orders[int(lot.argmax())].id
+        raise InfeasibleError(f"order {worst} weighs {int(lot.max()) * unit:g}: {largest}")
+    if total > int(rooms.sum()):
         raise InfeasibleError(
-            f"order {worst} weighs {int(lot.max()) * unit:g}: "
-            f"no robot holds more than {int(rooms[0]) * unit:g}"
+            f"total load {total * unit:g} exceeds {int(rooms.sum()) * unit:g}, the most that "
+            f"{len(fleet)} trips hold in whole multiples of {unit:g}"
         )
     by_room = {room: _most_items(instance, room) for room in set(rooms.tolist())}
     most = np.array([by_room[room] for room in rooms.tolist()], dtype=np.int64)
     if int(most.sum()) < n:
         raise InfeasibleError(
-            f"{len(fleet)} trips carry at most {int(most.sum())} of the {n} items, "
-            f"for no robot holds more than {int(rooms[0]) * unit:g}"
+            f"{len(fleet)} trips carry at most {int(most.sum())} of the {n} items: {largest}"
         )
     lightest = np.maximum(total - (rooms.sum() - rooms), 0)
     heaviest_first = np.sort(instance.weights)[::-1]
@@ -119,8 +116,8 @@ def limits_of(instance: Instance, fleet: Fleet) -> Limits:
     if bool((least > most).any()):
         k = int(np.argmax(least - most))
         raise InfeasibleError(
-            f"robot {fleet.names[k]} would have to carry {int(least[k])} items, "
-            f"but no {int(least[k])} items fit its {int(rooms[k]) * unit:g}"
+            f"at least {int(least[k])} items are left for robot {fleet.names[k]}, whose "
+            f"{int(rooms[k]) * unit:g} holds {int(most[k])}"
         )
     return Limits(most, least, lightest, reached[most] > rooms)
 

@@ -21,7 +21,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ising:
     """offset + sum of h[i] s[i] + sum of J[k] s[rows[k]] s[columns[k]], s in {-1, +1}.
 

@@ -22,7 +22,7 @@ MAX_VARIABLES = 5_000
 """Larger models are refused: up to 12 million couplings, 400 MB."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layout:
     """The variables of a model: x[t,i,p] first, by robot, step and node; then the slack.
 

@@ -28,8 +28,11 @@ __all__ = ["ENCODINGS", "PickingModel", "Symmetry", "build_model", "model_for"]
 ENCODINGS: tuple[Encoding, ...] = ("compact", "reduced", "full")
 Symmetry = Literal["keep", "break"]
 
+DIGITS = 2.0**31
+"""Largest square of a capacity, in constraint weights: leaves 7 digits for the distances."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class PickingModel:
     """A binary quadratic model of an instance, and what its variables mean.
 
@@ -182,6 +185,7 @@ def build_model(
     else:
         layout = compact_layout(instance, slack, break_symmetry=symmetry == "break")
     weights = Penalties.of(instance, encoding, penalties)
+    _check_digits(instance, layout, weights)
     potentials = potentials_of(
         instance,
         several=len(layout.fleet) > 1,
@@ -209,6 +213,23 @@ def model_for(
     if purpose == "paper":
         return build_model(instance, "reduced", slack="paper")
     return build_model(instance, "compact")
+
+
+def _check_digits(instance: Instance, layout: Layout, weights: Penalties) -> None:
+    """Refuse a capacity whose square would swallow the digits of the distances."""
+    rooms = layout.fleet.capacities[layout.summed]
+    if not len(rooms):
+        return
+    room = int(rooms.max())
+    scale = max(weights.step, weights.visit, float(instance.distances.max(initial=0.0)))
+    if weights.capacity * float(room) ** 2 > DIGITS * scale:
+        raise InputError(
+            f"capacity {float(room * instance.unit):g} is so much larger than the weights that "
+            f"energies would lose their digits in the {layout.encoding} encoding",
+            field="robots[].capacity",
+            mend="use the compact encoding, or a capacity no larger than the total load "
+            f"{float(int(instance.weights.sum()) * instance.unit):g}",
+        )
 
 
 def _choice(field: str, value: object, known: Sequence[str]) -> None:

@@ -86,7 +86,8 @@ class Penalties:
             a = _compact_weight(instance, min(robots, _trips_needed(instance) + 1))
             b = a / square
         else:
-            a = (0.5 + 0.25 * min(robots, 3)) * _largest(instance.distances)
+            small = max(0.0, 1.8 / max(instance.size, 1) - 0.2)
+            a = (0.5 + 0.25 * min(robots, 3) + small) * _largest(instance.distances)
             b = (0.5 if robots == 1 else 1.0) * a / square
         return cls(
             step=a,

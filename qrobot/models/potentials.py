@@ -27,7 +27,7 @@ DEPOT_SHARE = 0.25
 """Of the mean way that items leave to the depot, for the depot's own potential."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Potentials:
     """What is taken off the ways at each node.
 

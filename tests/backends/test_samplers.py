@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import ClassVar
 
 import dimod
@@ -10,12 +11,14 @@ import numpy as np
 import pytest
 from oracles import least_distance, paper_shaped
 
+from qrobot.backends import Capabilities, Planner, Routes, Search, Stop
 from qrobot.backends.neal import NealSampler
 from qrobot.backends.sampler import PickingSampler
 from qrobot.backends.tabu import TabuSampler
-from qrobot.backends.testing import SamplerConformance
+from qrobot.backends.testing import PlannerConformance, SamplerConformance, cases, verify
 from qrobot.errors import InputError
 from qrobot.models import build_model
+from qrobot.problem import Instance
 
 SAMPLERS = [NealSampler, TabuSampler]
 
@@ -129,3 +132,112 @@ def test_tabu_ends_at_a_threshold() -> None:
         model.bqm, num_reads=1, seed=1, energy_threshold=1e9, num_restarts=10**6
     )
     assert samples.record.num_restarts[0] == 0
+
+
+# -- the suites catch what they are for ------------------------------------------------------
+
+
+class Sloppy(NealSampler):
+    """Takes anything, tells wrong energies, and never the same twice."""
+
+    calls = 0
+
+    def sample(self, bqm: dimod.BinaryQuadraticModel, **_: object) -> dimod.SampleSet:
+        Sloppy.calls += 1
+        rng = np.random.default_rng(Sloppy.calls)
+        low = -1 if bqm.vartype is dimod.SPIN else 0
+        states = np.where(rng.random((3, bqm.num_variables)) < 0.5, low, 1)
+        return dimod.SampleSet.from_samples(
+            (states, list(bqm.variables)), energy=[0.0] * 3, vartype=bqm.vartype
+        )
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        "test_energies_are_those_of_the_model",
+        "test_passes_the_tests_of_dimod",
+        "test_finds_the_ground_state_of_a_small_model",
+        "test_takes_a_model_without_variables",
+        "test_refuses_what_is_not_finite",
+        "test_one_seed_gives_one_answer",
+    ],
+)
+def test_the_sampler_suite_catches(check: str) -> None:
+    class Suite(SamplerConformance):
+        def make(self) -> PickingSampler:
+            return Sloppy()
+
+    with pytest.raises(AssertionError):
+        getattr(Suite(), check)()
+
+
+class Liar:
+    """Puts everything on one trip, calls it optimal, and is deaf."""
+
+    name = "liar"
+    capabilities = Capabilities(kind="planner", proves=True)
+    calls = 0
+
+    def search(
+        self,
+        instance: Instance,
+        *,
+        stop: Stop,
+        seed: int = 0,
+        start: Routes | None = None,
+        on_best: Callable[..., None] | None = None,
+    ) -> Search:
+        Liar.calls += 1
+        routes = [list(range(1, instance.size + 1))] if instance.size else []
+        if start:
+            start[0].reverse()
+        if on_best:
+            on_best(routes, 0.0)
+        if instance.size > 20:
+            time.sleep(1.2)
+        return Search(routes=routes, bound=1e9, optimal=True, work=Liar.calls, infeasible="no")
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        "test_plans_keep_to_all_rules_and_bounds_are_true",
+        "test_never_calls_a_solvable_instance_infeasible",
+        "test_tells_of_feasible_plans_only",
+        "test_one_seed_and_one_limit_of_work_give_one_plan",
+        "test_takes_a_start",
+        "test_ends_when_asked_to",
+    ],
+)
+def test_the_planner_suite_catches(check: str) -> None:
+    class Suite(PlannerConformance):
+        def make(self) -> Planner:
+            return Liar()
+
+    with pytest.raises(AssertionError):
+        getattr(Suite(), check)()
+
+
+def test_the_rules_of_a_plan() -> None:
+    whole = next(case.instance for case in cases() if case.name == "whole orders")
+    assert verify(whole, [[4, 1, 2, 3], [5, 6]]) == pytest.approx(
+        whole.length([[4, 1, 2, 3], [5, 6]])
+    )
+    for routes, fault in (
+        ([[1, 4, 2, 3], [5]], "items collected"),
+        ([[1, 4, 2, 3, 3], [5, 6]], "items collected"),
+        ([[1, 2, 3, 5], [4, 6]], "split"),
+        ([[1, 4], [2, 3], [5, 6]], "3 trips for 2"),
+        ([[1, 4, 2, 3, 5, 6]], "a load of 15"),
+    ):
+        with pytest.raises(AssertionError, match=fault):
+            verify(whole, routes)
+
+
+def test_the_cases_have_the_optima_of_another_programme() -> None:
+    for case in cases():
+        expected = least_distance(case.instance)
+        assert (case.best is None) == (expected is None), case.name
+        if expected is not None:
+            assert case.best == pytest.approx(expected[0]), case.name

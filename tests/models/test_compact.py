@@ -190,3 +190,14 @@ def test_orders_of_several_items_stay_together_in_the_limits() -> None:
     assert build_model(instance).layout.last.tolist() == [2, 2]
     uneven = replace(instance, orders=(Order("A", ("i1", "i3")), Order("B", ("i2", "i4"))))
     assert build_model(uneven).layout.last.tolist() == [2, 2]
+
+
+@pytest.mark.parametrize("encoding", ["reduced", "full"])
+def test_a_capacity_that_swallows_all_digits_is_refused(encoding: str) -> None:
+    roomy = weighing([1, 2, 3], [10_000])
+    model = build_model(roomy, encoding)
+    assert model.energy_of([[1, 2, 3]]) == pytest.approx(roomy.length([[1, 2, 3]]), rel=1e-7)
+    boundless = weighing([1, 2, 3], [10**9])
+    with pytest.raises(InputError, match="a capacity no larger than the total load 6"):
+        build_model(boundless, encoding)
+    assert build_model(boundless).num_variables == 9
