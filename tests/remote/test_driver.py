@@ -121,7 +121,7 @@ def test_a_late_or_interrupted_wait_leaves_the_job(service: FileService, store: 
     begun = time.perf_counter()
     with pytest.raises(RemoteError, match=r"longer than 0.2 s; the job goes on \(queued\)"):
         run_job(service, BQM, Options(timeout=0.2), store=store)
-    assert 0.2 <= time.perf_counter() - begun < 2
+    assert 0.2 <= time.perf_counter() - begun < 30
     with pytest.raises(RemoteError, match="was interrupted"):
         run_job(service, BQM, Options(interrupt_function=lambda: True), store=store)
     (newer, older) = store.list()
