@@ -22,7 +22,7 @@ SEEDS = 2**31
 """The annealer takes seeds below this."""
 
 READS = 100
-SWEEPS = 1_500
+SWEEPS = 2_000
 HOT, COLD = 3.0, 50.0
 """Inverse temperatures in units of 1 / largest distance, measured: docs/formulation.md."""
 
