@@ -9,6 +9,7 @@ import numpy as np
 
 from qrobot.backends.base import Capabilities
 from qrobot.errors import InputError
+from qrobot.remote import Estimate
 
 __all__ = ["PickingSampler", "check_finite", "constant_samples"]
 
@@ -32,6 +33,16 @@ class PickingSampler(dimod.Sampler):
             Largest distance of the instance: the natural scale of energies.
         """
         return {}
+
+    def runs_remotely(self, **parameters: Any) -> bool:  # noqa: ARG002
+        """Return whether `sample` with these parameters asks another machine."""
+        return not self.capabilities.local
+
+    def estimate(self, bqm: dimod.BinaryQuadraticModel, **parameters: Any) -> Estimate:  # noqa: ARG002
+        """Return what a sample would cost; submits nothing that bills."""
+        if self.runs_remotely(**parameters):
+            return Estimate(None, None, f"backend {self.name} tells no price")
+        return Estimate(0.0, None, "it runs on this machine")
 
 
 def check_finite(bqm: dimod.BinaryQuadraticModel) -> None:

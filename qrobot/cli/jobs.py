@@ -20,7 +20,7 @@ def command() -> None:
     \b
     Examples:
       qrobot jobs list --refresh
-      qrobot jobs fetch qr-3f9a2c71d0b4 --output samples.json
+      qrobot jobs fetch qr-3f9a2c71d0b4 --plan plan.json
       qrobot jobs cancel qr-3f9a2c71d0b4
     """
 
@@ -51,22 +51,33 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
 @command.command("fetch")
 @click.argument("job")
 @click.option("--output", "-o", type=click.Path(), help="Write the samples as JSON (of dimod).")
+@click.option("--plan", type=click.Path(), help="Write the plan as JSON; checked like every plan.")
 @click.option("--json", "as_json", is_flag=True, help="Print what is known as JSON.")
-def fetch_(job: str, output: str | None, as_json: bool) -> None:
+def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> None:
     """Fetch the samples of a JOB that is done, by its id or the beginning of it."""
     from qrobot._files import write_text_atomic
     from qrobot.backends import get
     from qrobot.remote import JobStore, fetch
     from qrobot.remote.text import samples_report, samples_text
+    from qrobot.report.outputs import check_outputs
 
+    check_outputs([path for path in (output, plan) if path])
     with JobStore() as store:
         samples = fetch(job, store, get)
         report = samples_report(store.get(job), samples)
+        if plan:
+            from qrobot.planning import collect
+
+            result = collect(job, store)
+            result.save(plan)
     if output:
         write_text_atomic(output, json.dumps(samples.to_serializable()) + "\n")
     click.echo(json.dumps(report, indent=1) if as_json else samples_text(report))
-    if output and not as_json:
-        click.echo(f"written: {Path(output)}")
+    if plan and not as_json:
+        click.echo(result.summary())
+    for path in (output, plan):
+        if path and not as_json:
+            click.echo(f"written: {Path(path)}")
 
 
 @command.command("cancel")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
 import click
 
 from qrobot.errors import InputError
 
-__all__ = ["Robots", "seconds"]
+__all__ = ["Robots", "Setting", "seconds"]
 
 
 class Robots(click.ParamType[int | str]):
@@ -28,6 +31,31 @@ class Robots(click.ParamType[int | str]):
                 field="--robots",
                 mend="give 1 or more, or 'free'",
             ) from None
+
+
+class Setting(click.ParamType[tuple[str, Any]]):
+    """An option of a sampler: ``name=value``, the value as JSON or else as text."""
+
+    name = "NAME=VALUE"
+
+    def convert(
+        self,
+        value: str | tuple[str, Any],
+        _param: click.Parameter | None,
+        _ctx: click.Context | None,
+    ) -> tuple[str, Any]:
+        """Return the name and the value."""
+        if isinstance(value, tuple):
+            return value
+        name, equals, text = value.partition("=")
+        if not (equals and name.isidentifier()):
+            raise InputError(
+                f"{value!r} sets nothing", field="--option", mend="write it as name=value"
+            )
+        try:
+            return name, json.loads(text)
+        except ValueError:
+            return name, text
 
 
 def seconds(value: float) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import Robots
+from qrobot.cli.options import Robots, Setting
 
 __all__ = ["command"]
 
@@ -25,7 +25,21 @@ __all__ = ["command"]
 @click.option("--encoding", help="Sampler: full, reduced or compact.")
 @click.option("--slack", help="Sampler: exact or paper.")
 @click.option("--reads", type=int, help="Sampler: number of reads.")
-@click.option("--control", is_flag=True, help="Sampler: polish as many random starts too.")
+@click.option(
+    "--option",
+    "-O",
+    "settings",
+    multiple=True,
+    type=Setting(),
+    help="Sampler: any of its options, such as device=aer or layers=2. Repeatable.",
+)
+@click.option("--control", is_flag=True, help="Sampler: judge as many random reads and starts too.")
+@click.option("--fallback", help="Local backend that answers when the other one fails.")
+@click.option(
+    "--max-cost", type=float, help="US dollars; a remote job that may cost more is refused."
+)
+@click.option("--dry-run", is_flag=True, help="Say what it would cost; submit nothing.")
+@click.option("--no-wait", is_flag=True, help="Submit a remote job, print its id, and leave.")
 @click.option("--output", "-o", type=click.Path(), help="Write the plan as JSON.")
 @click.option(
     "--picture",
@@ -49,7 +63,12 @@ def command(
     encoding: str | None,
     slack: str | None,
     reads: int | None,
+    settings: tuple[tuple[str, Any], ...],
     control: bool,
+    fallback: str | None,
+    max_cost: float | None,
+    dry_run: bool,
+    no_wait: bool,
     output: str | None,
     picture: tuple[str, ...],
     as_json: bool,
@@ -67,6 +86,9 @@ def command(
       qrobot solve examples/orders.csv --layout examples/layout.json
       qrobot solve examples/paper-7-items.json --backend neal --control
       qrobot solve X-n101-k25.vrp --robots free --deadline 30
+      qrobot solve examples/paper-4-items.json -b qiskit-vqe -O device=aer
+      qrobot solve examples/paper-7-items.json -b dwave-qpu --dry-run
+      qrobot solve examples/paper-7-items.json -b dwave-qpu --max-cost 0.50 --fallback auto
     """
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
@@ -84,10 +106,14 @@ def command(
         for path in picture:
             check_picture_path(path)
     options: dict[str, Any] = {"encoding": encoding, "slack": slack, "num_reads": reads}
+    options = {name: value for name, value in options.items() if value is not None} | dict(settings)
     with stop_on_signals() as stop, progress_line(quiet or as_json) as line:
         question = read(
             instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
         )
+        if dry_run or no_wait:
+            _only(dry_run, question, backend, seed, max_cost, options, as_json)
+            return
         try:
             result = solve(
                 question,
@@ -96,9 +122,11 @@ def command(
                 max_work=max_work,
                 seed=seed,
                 control=control,
+                max_cost=max_cost,
+                fallback=fallback,
                 stop=stop,
                 on_progress=line,
-                **{name: value for name, value in options.items() if value is not None},
+                **options,
             )
         except InfeasibleError as error:
             if stop.requested and not error.proven:
@@ -129,3 +157,28 @@ def command(
     if not (quiet or as_json):
         for path in [*([output] if output else []), *picture]:
             click.echo(f"written: {path}")
+
+
+def _only(
+    dry_run: bool,
+    question: Any,
+    backend: str,
+    seed: int,
+    max_cost: float | None,
+    options: dict[str, Any],
+    as_json: bool,
+) -> None:
+    """Tell the cost, or hand the job over, and leave."""
+    from qrobot.planning import estimate, submit
+
+    if dry_run:
+        cost = estimate(question, backend, seed=seed, **options)
+        plain = {"backend": backend, "submitted": False, "estimate": cost.to_dict()}
+        text = f"{backend} would cost {cost}; nothing was submitted"
+    else:
+        plain = submit(question, backend, seed=seed, max_cost=max_cost, **options)
+        text = (
+            f"job {plain['id']} is {plain['state']}; "
+            f"'qrobot jobs fetch {plain['id']} --plan plan.json' makes a plan of it"
+        )
+    click.echo(json.dumps(plain, indent=1) if as_json else text)

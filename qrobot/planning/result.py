@@ -48,6 +48,13 @@ class SamplerReport:
         repair and polish; ``None`` when no control was asked for.
     polished_best
         Least distance that the sampler's reads gave after repair and polish.
+    optimal_fraction
+        Share of the reads that are optimal plans; ``None`` when the optimum is not proven.
+    random_feasible_fraction, random_best, random_optimal_fraction
+        The same as without ``random``, of as many uniformly random assignments; ``None``
+        when no control was asked for.
+    details
+        What the sampler tells of itself: device, parameters, embedding, remote job.
     """
 
     backend: str
@@ -61,6 +68,11 @@ class SamplerReport:
     control_best: float | None = None
     control_mean: float | None = None
     polished_best: float | None = None
+    optimal_fraction: float | None = None
+    random_feasible_fraction: float | None = None
+    random_best: float | None = None
+    random_optimal_fraction: float | None = None
+    details: dict[str, Any] = field(default_factory=dict, compare=False)
 
 
 @dataclass(slots=True)
@@ -130,6 +142,8 @@ class Result:
         Where the time went.
     notes
         Facts that the reader must know: about the input, a fallback, a limit.
+    answered_by
+        The backend that answered: `backend`, or the fallback that stepped in.
     """
 
     instance: Instance
@@ -144,6 +158,12 @@ class Result:
     sampler: SamplerReport | None = None
     timing: Timing = field(default_factory=Timing)
     notes: tuple[str, ...] = ()
+    answered_by: str = ""
+
+    def __post_init__(self) -> None:
+        """Say who answered: who was asked, unless a fallback did."""
+        if not self.answered_by:
+            object.__setattr__(self, "answered_by", self.backend)
 
     @property
     def cost(self) -> float:
@@ -179,8 +199,14 @@ class Result:
             best = "no feasible read" if s.best is None else f"best {s.best:g}, mean {s.mean:g}"
             lines.append(
                 f"{s.backend} by itself ({s.encoding}, {s.variables} variables, {s.reads} reads): "
-                f"{s.feasible_fraction:.0%} feasible, {best}"
+                f"{s.feasible_fraction:.0%} feasible, {best}{_optimal(s.optimal_fraction)}"
             )
+            if s.random_feasible_fraction is not None:
+                best = "none" if s.random_best is None else f"best {s.random_best:g}"
+                lines.append(
+                    f"control, as many random reads: {s.random_feasible_fraction:.2g} feasible, "
+                    f"{best}{_optimal(s.random_optimal_fraction)}"
+                )
             if s.control_best is not None:
                 lines.append(
                     f"control, as many random starts with the same repair and polish: "
@@ -203,6 +229,7 @@ class Result:
             "is_optimal": self.is_optimal,
             "robots_used": self.plan.robots_used,
             "backend": self.backend,
+            "answered_by": self.answered_by,
             "steps": list(self.steps),
             "seed": self.seed,
             "work": self.work,
@@ -222,3 +249,7 @@ class Result:
             When the file cannot be written.
         """
         write_text_atomic(path, json.dumps(self.to_dict(), indent=1, ensure_ascii=False) + "\n")
+
+
+def _optimal(share: float | None) -> str:
+    return "" if share is None else f", {share:.2g} optimal"

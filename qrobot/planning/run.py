@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from qrobot.backends import Planner, Routes, Search, Stop
 from qrobot.errors import BackendError, QRobotError
@@ -15,6 +16,8 @@ from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
 
 __all__ = ["Progress", "Run", "plan_fits"]
+
+Lengths = npt.NDArray[np.float64]
 
 TIE = 1e-9
 """Relative: distances closer than this are equal, and the fewer trips win."""
@@ -77,8 +80,15 @@ class Run:
         self.work: dict[str, int] = {}
         self.timing = Timing()
         self.sampler: SamplerReport | None = None
+        self.reads: tuple[Lengths, Lengths | None] | None = None
         self.notes: list[str] = list(instance.notes)
         self._listener = listener
+        self._begun = time.perf_counter()
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the run began, whatever the deadline counts from."""
+        return time.perf_counter() - self._begun
 
     def offer(self, routes: Sequence[Sequence[int]], _cost: float | None = None) -> None:
         """Keep routes when they are valid and better: shorter, or as short with fewer trips."""
@@ -105,7 +115,7 @@ class Run:
         if self._listener is not None:
             step = self.steps[-1] if self.steps else "start"
             cost = self.cost if self.routes is not None else None
-            self._listener(Progress(step, self.stop.elapsed, cost, self.bound))
+            self._listener(Progress(step, self.elapsed, cost, self.bound))
 
     def begin(self, step: str) -> None:
         """Note that a step begins; a step that goes on is named once."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from typing import Any
 
 import dimod
@@ -11,28 +9,28 @@ import numpy as np
 
 from qrobot.backends import Routes, Stop
 from qrobot.backends.sampler import PickingSampler
-from qrobot.errors import BackendError, InputError, QRobotError
+from qrobot.errors import BackendError, InputError
 from qrobot.models import PickingModel, build_model
 from qrobot.planning.polish import random_routes, repair_and_polish
+from qrobot.planning.reads import split_options, take_reads
 from qrobot.planning.result import SamplerReport
 from qrobot.planning.run import Run
+from qrobot.problem import Instance
+from qrobot.remote import plain, redact_data
 
-__all__ = ["run_sampler"]
+__all__ = ["build", "run_sampler", "use_reads"]
 
 MAX_VARIABLES = 20_000
 """Larger models are refused: their couplings alone would fill a Pi's memory."""
 
-MAX_CELLS = 500_000_000
-"""Reads times variables, one byte each: more than this fills a small robot's memory."""
-
 STARTS = 10
 """Reads that are repaired and polished, the best first."""
 
-SAMPLING_SHARE = 0.7
-"""Share of the deadline that the sampler may take; decoding, polish, control and the bound
-need the rest."""
+RANDOM_BLOCK = 1000
+"""Random reads that are judged at once."""
 
-MODEL_OPTIONS = ("encoding", "slack", "penalties")
+LONGEST = 200
+"""Longer lists, such as a search's history, stay out of the report; the sample set has them."""
 
 
 def run_sampler(
@@ -49,7 +47,7 @@ def run_sampler(
     control
         Whether to polish as many random starts too.
     options
-        `MODEL_OPTIONS` go to the model, everything else to the sampler.
+        ``encoding``, ``slack`` and ``penalties`` go to the model, the rest to the sampler.
 
     Raises
     ------
@@ -63,40 +61,91 @@ def run_sampler(
         run.offer([])
         run.proven = True
         return
-    chosen = {name: options[name] for name in MODEL_OPTIONS if name in options}
-    sampling = {name: value for name, value in options.items() if name not in MODEL_OPTIONS}
-    unknown = sorted(set(sampling) - set(sampler.parameters))
-    if unknown:
-        raise InputError(
-            f"backend {sampler.name} takes no option {', '.join(unknown)}",
-            field="backend",
-            mend=f"it takes {', '.join(sorted(sampler.parameters))}",
-        )
+    chosen, sampling = split_options(sampler, options)
     run.begin(sampler.name)
-    _check_size(run, sampler)
     with run.timed("build"):
-        model = build_model(instance, **chosen)
-    samples = _sample(run, sampler, model, sampling)
+        model = build(instance, sampler, chosen)
+    samples = take_reads(run, sampler, model, chosen, sampling)
+    if not len(samples):
+        raise BackendError(f"backend {sampler.name} gave no reads")
+    use_reads(run, sampler.name, model, samples, control=control)
+
+
+def build(instance: Instance, sampler: PickingSampler, chosen: dict[str, Any]) -> PickingModel:
+    """Return the model of an instance for a sampler.
+
+    Parameters
+    ----------
+    instance, sampler
+        The question, and who shall sample it.
+    chosen
+        ``encoding``, ``slack``, ``penalties``.
+
+    Raises
+    ------
+    InputError
+        When the model is too large, or an option is of no use.
+    """
+    _check_size(instance, sampler)
+    return build_model(instance, **chosen)
+
+
+def use_reads(
+    run: Run, name: str, model: PickingModel, samples: dimod.SampleSet, *, control: bool = False
+) -> None:
+    """Report what reads are by themselves, then repair and polish the best of them.
+
+    Parameters
+    ----------
+    run
+        The run; gets the best plan and the sampler's report.
+    name
+        Of the backend that the reads came from.
+    model, samples
+        The model, and its reads.
+    control
+        Whether to look at as many random reads, and to polish as many random starts.
+    """
+    rng = np.random.default_rng(run.seed)
     with run.timed("decode"):
         feasible, costs = model.decode_all(samples)
-        report = _report(sampler, model, samples, feasible, costs)
+        report = _report(name, model, samples, feasible, costs)
         starts = _starts(model, samples, feasible, costs)
+        times = samples.record.num_occurrences.astype(np.float64)
+        run.reads = (np.repeat(costs[feasible], times[feasible].astype(int)), None)
+        if control:
+            random_costs = _random_reads(model, report.reads, rng)
+            report.random_feasible_fraction = random_costs.size / max(report.reads, 1)
+            report.random_best = float(random_costs.min()) if random_costs.size else None
+            run.reads = (run.reads[0], random_costs)
     run.sampler = report
     if report.best is not None:
         run.offer(starts[0])
     with run.timed("polish"):
         report.polished_best, _ = _polish(run, starts)
         if control:
-            rng = np.random.default_rng(run.seed)
-            random = [random_routes(instance, rng) for _ in starts]
+            random = [random_routes(run.instance, rng) for _ in starts]
             # The control must not improve the plan that it is the control of.
             report.control_best, report.control_mean = _polish(run, random, keep=False)
     run.tell()
 
 
-def _check_size(run: Run, sampler: PickingSampler) -> None:
+def _random_reads(model: PickingModel, reads: int, rng: np.random.Generator) -> Any:
+    """Return the distances of the feasible ones among as many uniformly random reads."""
+    found = []
+    for begin in range(0, reads, RANDOM_BLOCK):
+        count = min(RANDOM_BLOCK, reads - begin)
+        bits = rng.integers(0, 2, (count, model.num_variables), dtype=np.int8)
+        samples = dimod.SampleSet.from_samples(
+            (bits, model.variables), vartype="BINARY", energy=np.zeros(count)
+        )
+        feasible, costs = model.decode_all(samples)
+        found.append(costs[feasible])
+    return np.concatenate(found) if found else np.zeros(0)
+
+
+def _check_size(instance: Instance, sampler: PickingSampler) -> None:
     # Every encoding has at least one variable for an item and a step of each robot.
-    instance = run.instance
     least = instance.size * max(instance.size // max(len(instance.vehicle_capacities), 1), 1)
     limit = min(sampler.capabilities.max_size or MAX_VARIABLES, MAX_VARIABLES)
     if least > limit:
@@ -108,53 +157,14 @@ def _check_size(run: Run, sampler: PickingSampler) -> None:
         )
 
 
-def _sample(
-    run: Run, sampler: PickingSampler, model: PickingModel, options: dict[str, Any]
-) -> dimod.SampleSet:
-    largest = float(run.instance.place_distances.max(initial=0.0)) or 1.0
-    parameters = sampler.picking_defaults(largest_distance=largest) | options
-    if "seed" in sampler.parameters:
-        parameters.setdefault("seed", run.seed)
-    if "interrupt_function" in sampler.parameters:
-        left = run.stop.remaining
-        part = run.stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
-        parameters.setdefault("interrupt_function", part)
-    if run.stop.max_work is not None and "num_reads" in sampler.parameters:
-        parameters["num_reads"] = min(parameters.get("num_reads", 100), run.stop.max_work)
-    reads = parameters.get("num_reads")
-    if isinstance(reads, int) and reads * model.num_variables > MAX_CELLS:
-        raise InputError(
-            f"{reads} reads of {model.num_variables} variables do not fit into memory",
-            field="num_reads",
-            mend=f"use at most {MAX_CELLS // model.num_variables}",
-        )
-    begun = time.perf_counter()
-    try:
-        samples = sampler.sample(model.bqm, **parameters)
-        samples.resolve()
-    except QRobotError:
-        raise
-    except Exception as error:
-        raise BackendError(
-            f"backend {sampler.name} failed: {type(error).__name__}: {error}"
-        ) from error
-    run.timing.run += time.perf_counter() - begun
-    run.work[sampler.name] = len(samples)
-    return samples
-
-
 def _report(
-    sampler: PickingSampler,
-    model: PickingModel,
-    samples: dimod.SampleSet,
-    feasible: Any,
-    costs: Any,
+    name: str, model: PickingModel, samples: dimod.SampleSet, feasible: Any, costs: Any
 ) -> SamplerReport:
     times = samples.record.num_occurrences.astype(np.float64)
     reads = float(times.sum())
     found = costs[feasible]
     return SamplerReport(
-        backend=sampler.name,
+        backend=name,
         encoding=model.encoding,
         variables=model.num_variables,
         reads=int(reads),
@@ -162,7 +172,16 @@ def _report(
         best=float(found.min()) if found.size else None,
         mean=float(np.average(found, weights=times[feasible])) if found.size else None,
         energy=float(samples.record.energy.min()) if len(samples) else float("nan"),
+        details=details_of(samples.info),
     )
+
+
+def details_of(info: Any) -> dict[str, Any]:
+    """Return what a sampler tells of itself as plain data: parameters, embedding, job."""
+    told = redact_data(plain(dict(info)))
+    kept = {k: v for k, v in told.items() if not (isinstance(v, list) and len(v) > LONGEST)}
+    kept.pop("history", None)
+    return kept
 
 
 def _starts(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from qrobot.backends import Planner, Stop, get
@@ -11,11 +12,12 @@ from qrobot.plan import Plan, check
 from qrobot.planning.auto import bound_from_below, run_auto
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.interrupts import graceful_interrupts
-from qrobot.planning.result import Ending, Result
-from qrobot.planning.run import Progress, Run
+from qrobot.planning.result import Ending, Result, SamplerReport
+from qrobot.planning.run import TIE, Progress, Run
 from qrobot.problem import Instance
+from qrobot.remote import run_with_fallback
 
-__all__ = ["DEFAULT_DEADLINE", "solve"]
+__all__ = ["DEFAULT_DEADLINE", "result_of", "solve"]
 
 DEFAULT_DEADLINE = 10.0
 """Seconds, when neither a deadline nor a limit of work is given."""
@@ -29,6 +31,8 @@ def solve(
     max_work: int | None = None,
     seed: int = 0,
     control: bool = False,
+    max_cost: float | None = None,
+    fallback: str | None = None,
     stop: Stop | None = None,
     on_progress: Callable[[Progress], None] | None = None,
     **options: Any,
@@ -44,14 +48,22 @@ def solve(
         the deadline allow.
     deadline
         Wall-clock seconds; the best plan so far is returned when they are over. Without
-        deadline and work limit, 10 seconds.
+        deadline and work limit, 10 seconds; a remote backend is then waited for without
+        limit, and repair, polish and bound get 10 seconds afterwards.
     max_work
         Limit of work units of each step (each backend says what its unit is); with it and
         without a deadline, one seed gives one plan.
     seed
         Of every random choice.
     control
-        For samplers: also polish as many random starts, and report them beside.
+        For samplers: also judge as many random reads and polish as many random starts, and
+        report them beside.
+    max_cost
+        US dollars that a remote backend may bill; local ones bill nothing. A job that would,
+        or might, cost more is refused before it is submitted.
+    fallback
+        Local backend (or ``auto``) that answers when the other one fails; the result's notes
+        say so, and `Result.answered_by`. It shares the deadline.
     stop
         A stop that the caller can `request` from another thread.
     on_progress
@@ -85,43 +97,116 @@ def solve(
         )
     if seed < 0:
         raise InputError(f"seed {seed} is negative", field="seed", mend="give 0 or more")
-    if deadline is None and max_work is None:
-        deadline = DEFAULT_DEADLINE
-    chosen = None if backend == "auto" else get(backend)
-    if options and (chosen is None or isinstance(chosen, Planner)):
+    if max_cost is not None and not max_cost >= 0:
         raise InputError(
-            f"backend {backend} takes no option {', '.join(sorted(options))}",
-            field="backend",
-            mend="leave it out, or choose a sampler such as neal",
+            f"{max_cost:g} is no amount of money", field="max_cost", mend="give 0 or more dollars"
         )
-    if control and (chosen is None or isinstance(chosen, Planner)):
+    limits = Stop(deadline, max_work, parent=stop)
+    ask = _Question(instance, limits, seed, control, max_cost, on_progress)
+    if fallback is None:
+        return ask.answer(backend, options)
+    _check_fallback(fallback)
+    found = run_with_fallback(
+        lambda: ask.answer(backend, options),
+        fallback,
+        lambda name: ask.answer(name, ask.shared(name, options)),
+        primary_name=backend,
+    )
+    if found.note is None:
+        return found.value
+    notes = (*found.value.notes, found.note)
+    return replace(found.value, backend=backend, answered_by=found.backend, notes=notes)
+
+
+@dataclass(frozen=True)
+class _Question:
+    """What is asked of a backend, and of the one that answers in its place."""
+
+    instance: Instance
+    stop: Stop
+    seed: int
+    control: bool
+    max_cost: float | None
+    on_progress: Callable[[Progress], None] | None
+
+    def answer(self, backend: str, options: dict[str, Any]) -> Result:
+        """Return the plan of one backend."""
+        chosen = None if backend == "auto" else get(backend)
+        planner = chosen is None or isinstance(chosen, Planner)
+        if options and planner:
+            raise InputError(
+                f"backend {backend} takes no option {', '.join(sorted(options))}",
+                field="backend",
+                mend="leave it out, or choose a sampler such as neal",
+            )
+        if self.control and planner:
+            raise InputError(
+                f"backend {backend} has no control", field="control", mend="it is for samplers"
+            )
+        run = Run(self.instance, self._limits(chosen, options), self.seed, self.on_progress)
+        if (reason := reason_infeasible(self.instance)) is not None:
+            raise InfeasibleError(reason)
+        with graceful_interrupts(run.stop):
+            if chosen is None:
+                run_auto(run)
+            elif isinstance(chosen, Planner):
+                run.plan(chosen, run.stop)
+                bound_from_below(run)
+            else:
+                from qrobot.planning.sampling import run_sampler
+
+                if self.max_cost is not None and chosen.runs_remotely(**options):
+                    options = options | {"max_cost": self.max_cost}
+                run_sampler(run, chosen, control=self.control, options=options)
+                bound_from_below(run)
+        return result_of(run, backend)
+
+    def _limits(self, chosen: Any, options: dict[str, Any]) -> Stop:
+        stop = self.stop
+        if stop.seconds is not None or stop.max_work is not None:
+            return stop
+        remote = not isinstance(chosen, Planner) and chosen is not None
+        if remote and chosen.runs_remotely(**options):
+            return stop  # nobody knows how long its queue is
+        return Stop(DEFAULT_DEADLINE, parent=stop)
+
+    def shared(self, name: str, options: dict[str, Any]) -> dict[str, Any]:
+        """Return the options that a fallback understands too."""
+        chosen = None if name == "auto" else get(name)
+        if chosen is None or isinstance(chosen, Planner):
+            return {}
+        known = {*SHARED_OPTIONS} & {"encoding", "slack", "penalties", *chosen.parameters}
+        return {key: value for key, value in options.items() if key in known}
+
+
+SHARED_OPTIONS = ("encoding", "slack", "penalties", "num_reads", "seed")
+"""Options that mean the same to every sampler."""
+
+
+def _check_fallback(name: str) -> None:
+    """Refuse a fallback that may fail like the backend it stands for."""
+    if name != "auto" and not get(name).capabilities.local:
         raise InputError(
-            f"backend {backend} has no control", field="control", mend="it is for samplers"
+            f"backend {name} is remote itself", field="fallback", mend="name a local one, as auto"
         )
-    run = Run(instance, Stop(deadline, max_work, parent=stop), seed, on_progress)
-    if (reason := reason_infeasible(instance)) is not None:
-        raise InfeasibleError(reason)
-    with graceful_interrupts(run.stop):
-        if chosen is None:
-            run_auto(run)
-        elif isinstance(chosen, Planner):
-            run.plan(chosen, run.stop)
-            bound_from_below(run)
-        else:
-            from qrobot.planning.sampling import run_sampler
-
-            run_sampler(run, chosen, control=control, options=options)
-            bound_from_below(run)
-    return _result(run, backend)
 
 
-def _result(run: Run, backend: str) -> Result:
+def result_of(run: Run, backend: str) -> Result:
+    """Return the checked result of a run that is over.
+
+    Raises
+    ------
+    InfeasibleError
+        When the run has no plan.
+    BackendError
+        When the checker refuses the plan.
+    """
     if run.infeasible is not None:
         raise InfeasibleError(run.infeasible)
     if run.routes is None:
         limits = "it was interrupted" if run.stop.requested else "the limits were reached"
         raise InfeasibleError(
-            f"no plan was found before {limits} ({run.stop.elapsed:.1f} s, steps: "
+            f"no plan was found before {limits} ({run.elapsed:.1f} s, steps: "
             f"{', '.join(run.steps) or 'none'}); whether one exists is not known: give more time "
             "or more robots",
             proven=False,
@@ -133,7 +218,9 @@ def _result(run: Run, backend: str) -> Result:
     if not report.ok:
         problems = "; ".join(map(str, report.problems))
         raise BackendError(f"the checker refused the plan of {' + '.join(run.steps)}: {problems}")
-    run.timing.total = run.stop.elapsed
+    run.timing.total = run.elapsed
+    if proven and run.sampler is not None:
+        _count_optimal(run, run.sampler, plan.distance)
     return Result(
         instance=run.instance,
         plan=plan,
@@ -148,6 +235,17 @@ def _result(run: Run, backend: str) -> Result:
         timing=run.timing,
         notes=tuple(run.notes),
     )
+
+
+def _count_optimal(run: Run, report: SamplerReport, least: float) -> None:
+    """Say how many reads are optimal plans, now that the optimum is proven."""
+    if run.reads is None or not report.reads:
+        return
+    limit = least * (1 + TIE)
+    lengths, random = run.reads
+    report.optimal_fraction = float((lengths <= limit).sum() / report.reads)
+    if random is not None:
+        report.random_optimal_fraction = float((random <= limit).sum() / report.reads)
 
 
 def _ending(run: Run, proven: bool) -> Ending:

@@ -13,6 +13,7 @@ from qrobot.remote.job import Answer, Estimate, RemoteJob, State
 from qrobot.remote.manage import cancel, fetch, refresh_all
 from qrobot.remote.redaction import redact, redact_data, register_secret
 from qrobot.remote.retry import Backoff, with_retries
+from qrobot.remote.samples import plain
 from qrobot.remote.service import PARAMETERS, Keep, Options, RemoteService
 from qrobot.remote.store import JobStore, default_path
 from qrobot.remote.timing import breakdown, timing_fields
@@ -41,6 +42,7 @@ __all__ = [
     "device_price",
     "fetch",
     "fetch_job",
+    "plain",
     "presence",
     "price",
     "redact",

@@ -58,10 +58,11 @@ def main() -> None:
     parser.add_argument("--sdk", choices=("qiskit", "pennylane", "braket"), required=True)
     parser.add_argument("--items", type=int, default=2)
     parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--options", type=json.loads, default={}, help="more, as JSON")
     chosen = parser.parse_args()
     rows = []
-    for seed in range(chosen.seeds):
+    for seed in range(chosen.first, chosen.first + chosen.seeds):
         rows.append(row(chosen.sdk, chosen.items, seed, **chosen.options))
         print(
             json.dumps(

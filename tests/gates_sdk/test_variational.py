@@ -115,7 +115,7 @@ def test_many_shots_come_near_the_exact_objective():
     np.testing.assert_allclose(shots.slope(point)[1], exact.slope(point)[1], atol=0.2)
 
 
-@pytest.mark.parametrize("name", [name for name in OPTIMISERS if name != "none"])
+@pytest.mark.parametrize("name", [name for name in OPTIMISERS if name not in ("none", "nft")])
 def test_every_optimiser_lowers_a_bowl_within_its_budget(name):
     if name not in ("spsa", "adam"):
         pytest.importorskip("scipy", reason="scipy comes with each SDK")
@@ -145,6 +145,40 @@ def test_a_search_can_be_interrupted_and_refuses_nan():
             "spsa", lambda x: float("nan"), lambda x: (0.0, x), np.ones(1), budget=5,
             rng=np.random.default_rng(0),
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("alpha", [1.0, 0.2])
+def test_nft_finds_the_best_of_a_full_turn(alpha):
+    form = Form.from_bqm(random_model(3, seed=4))
+    ansatz = make_ansatz("hardware", form, [], 1)
+    objective = ExactObjective(PlainEngine(ansatz.circuit), diagonal(form), alpha)
+    start = ansatz.start(np.random.default_rng(1))
+    size = ansatz.circuit.size
+    found = minimise(
+        "nft", objective.value, objective.slope, start, budget=2 * size + 1,
+        rng=np.random.default_rng(0), turns=objective.turns,
+    )  # fmt: skip
+    assert len(found.history) == 2 * size + 1
+    # What it says without a run is what a run says, and no turn of the last angle does better.
+    assert objective.value(found.parameters) == pytest.approx(found.value, abs=1e-9)
+    last = int(np.random.default_rng(0).permutation(size)[-1])
+    turned = np.repeat(found.parameters[None], 400, axis=0)
+    turned[:, last] += np.linspace(-np.pi, np.pi, 400)
+    assert found.value <= min(objective.value(point) for point in turned) + 1e-3
+
+
+def test_nft_reaches_the_ground_of_a_product_state():
+    # Without entanglers one pass is enough for independent spins: each goes to its lowest.
+    fields = dimod.BinaryQuadraticModel({k: (-1) ** k * (k + 1) for k in range(5)}, {}, "SPIN")
+    found = PlainSampler().sample(fields, optimizer="nft", layers=0, alpha=1.0, starts=1, seed=0)
+    assert found.info["ground_probability"] == pytest.approx(1.0, abs=1e-3)
+    assert found.info["evaluations"] < 4 * 11  # settled before its budget
+
+
+def test_nft_says_where_it_cannot_work():
+    for given in ({"shots": 50}, {"ansatz": "problem"}):
+        with pytest.raises(InputError, match="nft needs exact probabilities"):
+            PlainSampler().sample(small_model(), optimizer="nft", **given)
 
 
 def test_one_seed_gives_one_answer_and_its_parameters_resume_it():

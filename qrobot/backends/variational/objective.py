@@ -7,13 +7,16 @@ reads, so a small alpha asks for what is wanted: some reads of least energy.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from qrobot.backends.gates.form import Form
+from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.engine import Engine, StateEngine, shift
+from qrobot.backends.variational.nft import Turns
 
 __all__ = ["ExactObjective", "Objective", "ShotObjective", "Tail", "tail_of_samples"]
 
@@ -68,6 +71,11 @@ def _below(energies: Floats, end: float, alpha: float) -> Floats:
 class Objective(Protocol):
     """The objective as the optimisers see it."""
 
+    @property
+    def turns(self) -> Turns | None:
+        """What `nft` needs, where it can be had."""
+        ...
+
     def value(self, parameters: Floats) -> float:
         """Return the objective."""
         ...
@@ -93,6 +101,12 @@ class ExactObjective:
     def __init__(self, engine: StateEngine, energies: Floats, alpha: float) -> None:
         self.engine, self.tail = engine, Tail(energies, alpha)
 
+    @cached_property
+    def turns(self) -> Turns | None:
+        """What `nft` needs: ``None`` where a parameter turns several rotations."""
+        scales = _scales(self.engine.circuit)
+        return None if scales is None else _SortedTail(self.engine, self.tail, scales)
+
     def value(self, parameters: Floats) -> float:
         """Return the objective."""
         angles = self.engine.circuit.angles(parameters)
@@ -107,6 +121,39 @@ class ExactObjective:
             weights = self.tail.weights(self.engine.probabilities(angles))
         value, by_angle = self.engine.slope(angles, weights)
         return value, circuit.pull_back(by_angle)
+
+
+class _SortedTail:
+    """The exact objective with assignments sorted by energy: a tail is a beginning."""
+
+    def __init__(self, engine: StateEngine, tail: Tail, scales: Floats) -> None:
+        self.engine, self.scales, self.alpha = engine, scales, tail.alpha
+        self._order = np.argsort(tail.energies, kind="stable")
+        self._energies = tail.energies[self._order]
+
+    def distribution(self, parameters: Floats) -> Floats:
+        angles = self.engine.circuit.angles(parameters)
+        return self.engine.probabilities(angles)[self._order]
+
+    def of(self, distribution: Floats) -> float:
+        if self.alpha == 1.0:
+            return float(distribution @ self._energies) / float(distribution.sum())
+        upto = np.cumsum(distribution)
+        share = self.alpha * float(upto[-1])
+        end = min(int(np.searchsorted(upto, share)), upto.size - 1)
+        whole = float(distribution[:end] @ self._energies[:end])
+        before = float(upto[end - 1]) if end else 0.0
+        return (whole + (share - before) * float(self._energies[end])) / share
+
+
+def _scales(circuit: Circuit) -> Floats | None:
+    """Return the angle by parameter, or ``None`` where one turns several rotations or none."""
+    slots = [gate.slot for gate in circuit.rotations]
+    if sorted(slots) != list(range(circuit.size)):
+        return None
+    found = np.empty(circuit.size)
+    found[slots] = [gate.scale for gate in circuit.rotations]
+    return found if found.all() else None
 
 
 class ShotObjective:
@@ -131,6 +178,8 @@ class ShotObjective:
     ) -> None:
         self.engine, self.form, self.alpha = engine, form, alpha
         self.shots, self.rng = shots, rng
+
+    turns = None
 
     def _energies(self, angles: Floats) -> Floats:
         seed = int(self.rng.integers(2**31))

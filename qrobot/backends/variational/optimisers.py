@@ -1,8 +1,8 @@
 """Optimisers by name, each within a budget of evaluations and with one history.
 
-Own: ``spsa`` (J. C. Spall, IEEE Transactions on Automatic Control 37 (1992) 332) and ``adam``
-(D. P. Kingma and J. Ba, arXiv:1412.6980). Scipy's, imported when asked for: the rest.
-``none`` looks at the first parameters only.
+Own: ``nft`` (one parameter at a time, see `nft`), ``spsa`` (J. C. Spall, IEEE Transactions on
+Automatic Control 37 (1992) 332) and ``adam`` (D. P. Kingma and J. Ba, arXiv:1412.6980).
+Scipy's, imported when asked for: the rest. ``none`` looks at the first parameters only.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.variational.nft import Turns, nft
 from qrobot.errors import BackendError, InputError, MissingExtraError
 
 __all__ = ["GRADIENT", "OPTIMISERS", "Found", "minimise"]
@@ -31,7 +32,7 @@ SCIPY = {
     "slsqp": "SLSQP",
 }
 GRADIENT = frozenset({"l-bfgs-b", "bfgs", "slsqp", "adam"})
-OPTIMISERS = ("none", "spsa", "adam", *SCIPY)
+OPTIMISERS = ("none", "nft", "spsa", "adam", *SCIPY)
 
 
 FLAT = 3
@@ -77,6 +78,7 @@ def minimise(
     *,
     budget: int,
     rng: np.random.Generator,
+    turns: Turns | None = None,
     interrupted: Callable[[], bool] = lambda: False,
 ) -> Found:
     """Minimise from `start`.
@@ -94,14 +96,16 @@ def minimise(
     budget
         Most evaluations; 0 evaluates nothing.
     rng
-        Of SPSA's directions.
+        Of SPSA's directions and NFT's sequence.
+    turns
+        The objective as ``nft`` needs it, where it can be had.
     interrupted
         Asked before each evaluation.
 
     Raises
     ------
     InputError
-        When the optimiser is unknown.
+        When the optimiser is unknown, or ``nft`` cannot work on this objective.
     BackendError
         When the objective is not finite.
     """
@@ -110,6 +114,12 @@ def minimise(
             f"{name!r} is no optimizer",
             field="optimizer",
             mend=f"use one of {', '.join(OPTIMISERS)}",
+        )
+    if name == "nft" and turns is None:
+        raise InputError(
+            "nft needs exact probabilities and an angle of its own for each parameter",
+            field="optimizer",
+            mend="use spsa, or the ansatz hardware without shots",
         )
     found = Found(start.copy())
 
@@ -130,6 +140,17 @@ def minimise(
         note(point, reached)
         return reached
 
+    def distributed(point: Floats) -> Floats:
+        assert turns is not None
+        ready()
+        reached = turns.distribution(point)
+        note(point, turns.of(reached))
+        return reached
+
+    def known(point: Floats, reached: float) -> None:
+        if reached < found.value:
+            found.parameters, found.value = point.copy(), reached
+
     def sloped(point: Floats) -> tuple[float, Floats]:
         ready()
         reached, way = slope(np.asarray(point, dtype=np.float64))
@@ -139,6 +160,8 @@ def minimise(
     try:
         if name == "none" or start.size == 0:
             counted(start)
+        elif name == "nft" and turns is not None:
+            nft(turns, start, distributed, known, rng)
         elif name == "spsa":
             _spsa(counted, start, budget, rng)
         elif name == "adam":

@@ -38,7 +38,7 @@ from qrobot.problem.formats.schema import (
     SlotModel,
 )
 
-__all__ = ["Layout", "read_layout", "read_native"]
+__all__ = ["Layout", "parse_native", "read_layout", "read_native"]
 
 
 _WISHES = {
@@ -74,7 +74,12 @@ def read_native(path: StrPath) -> Instance:
     InputError
         When the file is no document of this schema, or what it asks makes no sense.
     """
-    document = _document(loads(read_text(path)))
+    return parse_native(read_text(path))
+
+
+def parse_native(text: str) -> Instance:
+    """Return the instance of native JSON text; errors as of `read_native`."""
+    document = _document(loads(text))
     if "items" not in document.model_fields_set:
         raise InputError(
             "is missing (a document without items is a layout)",

@@ -1,0 +1,133 @@
+"""Remote work in parts: what it would cost, hand it over, and make a plan of it later."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from qrobot.backends import Planner, Stop, get
+from qrobot.backends.sampler import PickingSampler
+from qrobot.errors import BackendError, InfeasibleError, InputError
+from qrobot.models import build_model
+from qrobot.planning.auto import bound_from_below
+from qrobot.planning.feasibility import reason_infeasible
+from qrobot.planning.reads import split_options, take_reads
+from qrobot.planning.result import Result
+from qrobot.planning.run import Run
+from qrobot.planning.sampling import build, use_reads
+from qrobot.planning.solving import DEFAULT_DEADLINE, result_of
+from qrobot.problem import Instance
+from qrobot.problem.formats.native import parse_native
+from qrobot.remote import Estimate, JobStore, fetch
+
+__all__ = ["collect", "estimate", "submit"]
+
+
+def estimate(instance: Instance, backend: str, *, seed: int = 0, **options: Any) -> Estimate:
+    """Return what `solve` with these arguments would cost; submits nothing.
+
+    Parameters
+    ----------
+    instance, backend, seed, **options
+        As of `solve`.
+
+    Raises
+    ------
+    BackendError
+        When a remote backend cannot be asked.
+    """
+    sampler = None if backend == "auto" else get(backend)
+    if sampler is None or isinstance(sampler, Planner):
+        return Estimate(0.0, None, "it runs on this machine")
+    chosen, sampling = split_options(sampler, options)
+    if "seed" in sampler.parameters:
+        sampling.setdefault("seed", seed)
+    return sampler.estimate(build(instance, sampler, chosen).bqm, **sampling)
+
+
+def submit(
+    instance: Instance,
+    backend: str,
+    *,
+    seed: int = 0,
+    max_cost: float | None = None,
+    **options: Any,
+) -> dict[str, Any]:
+    """Hand an instance over to a remote backend and return at once.
+
+    Parameters
+    ----------
+    instance, backend, seed, max_cost, **options
+        As of `solve`.
+
+    Returns
+    -------
+    dict
+        What is known of the job; its ``id`` (ours) is what `collect` takes.
+
+    Raises
+    ------
+    InputError
+        When the backend has no jobs to hand over.
+    BackendError
+        When it could not be handed over.
+    """
+    if (reason := reason_infeasible(instance)) is not None:
+        raise InfeasibleError(reason)
+    sampler = _remote(backend, options)
+    chosen, sampling = split_options(sampler, options)
+    model = build(instance, sampler, chosen)
+    extra: dict[str, Any] = {"wait": False}
+    if max_cost is not None:
+        extra["max_cost"] = max_cost
+    run = Run(instance, Stop(), seed)
+    samples = take_reads(run, sampler, model, chosen, sampling | extra)
+    told = samples.info.get("remote")
+    if not isinstance(told, dict):
+        raise BackendError(f"backend {backend} gave the job no name")
+    return dict(told)
+
+
+def collect(job: str, store: JobStore) -> Result:
+    """Return the plan of a job that an earlier process handed over.
+
+    Parameters
+    ----------
+    job
+        Our id, or an unmistakable beginning of it.
+    store
+        Where the jobs are kept.
+
+    Raises
+    ------
+    InputError
+        When there is no such job, or it was submitted without an instance.
+    RemoteError
+        When it is not done, or has failed.
+    """
+    kept = store.get(job)
+    text = kept.context.get("instance")
+    if not isinstance(text, str):
+        raise InputError(
+            f"job {kept.id} was sampled without an instance",
+            field="job",
+            mend="leave out what asks for a plan, and take the samples",
+        )
+    instance = parse_native(text)
+    model = build_model(instance, **kept.context.get("model", {}))
+    samples = fetch(job, store, get)
+    run = Run(instance, Stop(DEFAULT_DEADLINE), int(kept.context.get("seed", 0)))
+    run.begin(kept.backend)
+    use_reads(run, kept.backend, model, samples)
+    bound_from_below(run)
+    return result_of(run, kept.backend)
+
+
+def _remote(backend: str, options: dict[str, Any]) -> PickingSampler:
+    sampler = None if backend == "auto" else get(backend)
+    if sampler is None or isinstance(sampler, Planner) or not sampler.runs_remotely(**options):
+        raise InputError(
+            f"backend {backend} runs on this machine: there is no job to hand over",
+            field="backend",
+            mend="wait for it, or name a remote one",
+        )
+    return sampler

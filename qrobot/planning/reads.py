@@ -1,0 +1,142 @@
+"""Reads from a sampler: its parameters, its share of the deadline, where its time went."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+import dimod
+
+from qrobot.backends import Stop
+from qrobot.backends.sampler import PickingSampler
+from qrobot.errors import BackendError, InputError, QRobotError
+from qrobot.models import PickingModel
+from qrobot.planning.run import Run
+from qrobot.problem import Instance
+from qrobot.problem.formats.native_writer import to_text
+from qrobot.remote import redact, timing_fields
+
+__all__ = ["AFTERWARDS", "MODEL_OPTIONS", "split_options", "take_reads"]
+
+MODEL_OPTIONS = ("encoding", "slack", "penalties")
+
+MAX_CELLS = 500_000_000
+"""Reads times variables, one byte each: more than this fills a small robot's memory."""
+
+SAMPLING_SHARE = 0.7
+"""Share of the deadline that the sampler may take; decoding, polish, control and the bound
+need the rest."""
+
+AFTERWARDS = 10.0
+"""Seconds for repair, polish and bound when a remote answer was awaited without a deadline."""
+
+
+def split_options(
+    sampler: PickingSampler, options: dict[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the options of the model and those of the sampler.
+
+    Raises
+    ------
+    InputError
+        When neither takes an option.
+    """
+    chosen = {name: options[name] for name in MODEL_OPTIONS if name in options}
+    sampling = {name: value for name, value in options.items() if name not in MODEL_OPTIONS}
+    unknown = sorted(set(sampling) - set(sampler.parameters))
+    if unknown:
+        raise InputError(
+            f"backend {sampler.name} takes no option {', '.join(unknown)}",
+            field="backend",
+            mend=f"it takes {', '.join(sorted(sampler.parameters))}",
+        )
+    return chosen, sampling
+
+
+def context_of(instance: Instance, chosen: dict[str, Any], seed: int) -> dict[str, Any]:
+    """Return what is kept beside a remote job, so that its answer becomes a plan later."""
+    try:
+        text = to_text(instance)
+    except InputError:  # a weight such as one third: the answer stays, without a plan
+        return {}
+    return {"instance": text, "model": chosen, "seed": seed}
+
+
+def take_reads(
+    run: Run,
+    sampler: PickingSampler,
+    model: PickingModel,
+    chosen: dict[str, Any],
+    sampling: dict[str, Any],
+) -> dimod.SampleSet:
+    """Sample a model within a run's deadline; its timing gets the seconds of each part.
+
+    Parameters
+    ----------
+    run
+        The run.
+    sampler, model
+        Who samples what.
+    chosen
+        The options that the model was built with, kept beside a remote job.
+    sampling
+        The sampler's own.
+
+    Raises
+    ------
+    InputError
+        When there are too many reads for the memory.
+    BackendError
+        When the sampler fails.
+    """
+    parameters = _parameters(run, sampler, model, chosen, sampling)
+    begun = time.perf_counter()
+    try:
+        samples = sampler.sample(model.bqm, **parameters)
+        samples.resolve()
+    except QRobotError:
+        raise
+    except Exception as error:
+        text = redact(f"{type(error).__name__}: {error}")
+        # Errors of remote SDKs may quote a token: their chain stays here.
+        cause = None if sampler.runs_remotely(**sampling) else error
+        raise BackendError(f"backend {sampler.name} failed: {text}") from cause
+    parts = timing_fields(samples.info)
+    # A remote device tells its own work; a local one's is all that we waited for.
+    parts.setdefault("run", time.perf_counter() - begun)
+    for name, seconds in parts.items():
+        setattr(run.timing, name, getattr(run.timing, name) + seconds)
+    if sampler.runs_remotely(**sampling) and math.isinf(run.stop.remaining):
+        run.stop = Stop(AFTERWARDS, run.stop.max_work, parent=run.stop)
+    run.work[sampler.name] = len(samples)
+    return samples
+
+
+def _parameters(
+    run: Run,
+    sampler: PickingSampler,
+    model: PickingModel,
+    chosen: dict[str, Any],
+    sampling: dict[str, Any],
+) -> dict[str, Any]:
+    largest = float(run.instance.place_distances.max(initial=0.0)) or 1.0
+    parameters = sampler.picking_defaults(largest_distance=largest) | sampling
+    if "seed" in sampler.parameters:
+        parameters.setdefault("seed", run.seed)
+    if "interrupt_function" in sampler.parameters:
+        left = run.stop.remaining
+        part = run.stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
+        parameters.setdefault("interrupt_function", part)
+    if "context" in sampler.parameters and sampler.runs_remotely(**sampling):
+        parameters.setdefault("context", context_of(run.instance, chosen, run.seed))
+    if run.stop.max_work is not None and "num_reads" in sampler.parameters:
+        parameters["num_reads"] = min(parameters.get("num_reads", 100), run.stop.max_work)
+    reads = parameters.get("num_reads")
+    if isinstance(reads, int) and reads * model.num_variables > MAX_CELLS:
+        raise InputError(
+            f"{reads} reads of {model.num_variables} variables do not fit into memory",
+            field="num_reads",
+            mend=f"use at most {MAX_CELLS // model.num_variables}",
+        )
+    return parameters
