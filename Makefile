@@ -16,12 +16,14 @@ stamp = $(VENV)/.installed
 project = pyproject.toml locks/build.txt
 # No questions and no flood; what is fetched is held against the hashes of locks/.
 pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
+# What says more with the SDKs installed than without.
+stack-tests = tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/cli
 source = qrobot tests benchmarks examples healthchecks locks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup install demo test lint format docs bench lock lock-upgrade lock-verify dist clean distclean
+.PHONY: help setup install demo test test-stacks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
 
 help: ## list the targets
 	@echo 'qRobot: orders in, a checked picking plan out.'
@@ -46,6 +48,13 @@ demo: $(stamp)-solver ## plan the example warehouse: a plan and its picture in b
 
 test: $(stamp)-dev ## run the tests (PYTEST_ARGS="-k name")
 	$(bin)/python -m pytest $(PYTEST_ARGS)
+
+test-stacks: $(stamp)-dev $(stamp)-edge ## run the tests of the quantum stacks too: installs the profile edge (1.5 GB)
+	$(bin)/python -m pytest $(PYTEST_ARGS) $(stack-tests)
+
+tutorial: $(stamp)-dev $(stamp)-edge ## run the tutorial as a notebook: build/tutorial.ipynb and .html
+	@mkdir -p build
+	$(bin)/python examples/run_tutorial.py build/tutorial.ipynb
 
 lint: $(stamp)-dev ## check the style, the types and the locks
 	$(bin)/ruff check $(wildcard $(source))
