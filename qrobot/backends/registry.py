@@ -18,7 +18,7 @@ from qrobot.errors import InputError, MissingExtraError
 if TYPE_CHECKING:
     from qrobot.backends.sampler import PickingSampler
 
-__all__ = ["BUILTIN", "GROUP", "available", "capabilities", "get", "names"]
+__all__ = ["BUILTIN", "GROUP", "available", "capabilities", "get", "names", "require"]
 
 GROUP = "qrobot.backends"
 
@@ -32,6 +32,8 @@ BUILTIN: dict[str, tuple[str, str, str]] = {
     "tabu": ("qrobot.backends.tabu", "TabuSampler", "dwave.samplers"),
     "descent": ("qrobot.backends.descent", "DescentSampler", "dwave.samplers"),
     "statevector": ("qrobot.backends.statevector", "StatevectorSampler", "numpy"),
+    "qaoa-swap": ("qrobot.backends.preserving", "SwapPlanner", "numpy"),
+    "qaoa-grover": ("qrobot.backends.preserving", "GroverPlanner", "numpy"),
     "qiskit-qaoa": ("qrobot.backends.qiskit", "QiskitQAOA", "qiskit"),
     "qiskit-vqe": ("qrobot.backends.qiskit", "QiskitVQE", "qiskit"),
     "pennylane-qaoa": ("qrobot.backends.pennylane", "PennyLaneQAOA", "pennylane"),
@@ -81,6 +83,18 @@ def available(name: str) -> bool:
         return False
 
 
+def require(name: str) -> None:
+    """Refuse a backend of ours whose software is absent, without importing anything.
+
+    Raises
+    ------
+    MissingExtraError
+        With the command that installs it.
+    """
+    if name in BUILTIN and not available(name):
+        raise MissingExtraError(f"backend {name}", EXTRAS.get(name, "solver"))
+
+
 def get(name: str) -> Planner | PickingSampler:
     """Return a backend by name.
 
@@ -93,8 +107,7 @@ def get(name: str) -> Planner | PickingSampler:
     """
     plugins = _plugins()
     if name in BUILTIN:
-        if not available(name):
-            raise MissingExtraError(f"backend {name}", EXTRAS.get(name, "solver"))
+        require(name)
         module, cls, _ = BUILTIN[name]
         return cast("Planner | PickingSampler", getattr(importlib.import_module(module), cls)())
     if name in plugins:

@@ -90,6 +90,10 @@ def command(
       qrobot solve examples/paper-7-items.json -b dwave-qpu --dry-run
       qrobot solve examples/paper-7-items.json -b dwave-qpu --max-cost 0.50 --fallback auto
     """
+    from qrobot.backends.registry import require
+
+    if fallback is None:
+        require(backend)  # before numpy and dimod: what is absent is told at once
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
     from qrobot.errors import InfeasibleError, QRobotError

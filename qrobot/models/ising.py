@@ -76,18 +76,38 @@ def to_ising(bqm: dimod.BinaryQuadraticModel, convention: Convention = "annealer
     labels = list(bqm.variables)
     vectors = bqm.binary.to_numpy_vectors(variable_order=labels)
     linear, (rows, columns, quadratic), offset = vectors
+    names = tuple(str(label) for label in labels)
+    return ising_of(linear, rows, columns, quadratic, offset, labels=names, convention=convention)
+
+
+def ising_of(
+    linear: npt.ArrayLike,
+    rows: npt.ArrayLike,
+    columns: npt.ArrayLike,
+    quadratic: npt.ArrayLike,
+    offset: float,
+    *,
+    labels: tuple[str, ...] = (),
+    convention: Convention = "annealer",
+) -> Ising:
+    """Return the Ising form of binary coefficients.
+
+    Parameters
+    ----------
+    linear
+        Shape (N,).
+    rows, columns, quadratic
+        Each pair once, shape (couplings,).
+    offset
+        The constant.
+    labels, convention
+        As of `Ising`.
+    """
+    first, second = np.asarray(rows, dtype=np.int64), np.asarray(columns, dtype=np.int64)
     quarter = np.asarray(quadratic, dtype=np.float64) / 4
     h = np.asarray(linear, dtype=np.float64) / 2
     constant = float(offset) + float(h.sum()) + float(quarter.sum())
-    np.add.at(h, rows, quarter)
-    np.add.at(h, columns, quarter)
-    annealer = Ising(
-        h=h,
-        rows=np.asarray(rows, dtype=np.int64),
-        columns=np.asarray(columns, dtype=np.int64),
-        J=quarter,
-        offset=constant,
-        labels=tuple(str(label) for label in labels),
-        convention="annealer",
-    )
+    np.add.at(h, first, quarter)
+    np.add.at(h, second, quarter)
+    annealer = Ising(h, first, second, quarter, constant, labels, "annealer")
     return annealer if convention == "annealer" else annealer.flipped()

@@ -35,8 +35,9 @@ class SamplerReport:
         Which sampler ran on which model.
     variables
         Binary variables of the model (qubits).
-    reads
-        Samples taken.
+    reads, rounds
+        Samples taken, in how many rounds: while none is a plan, a local sampler is asked
+        again with the broken constraint's weight raised.
     feasible_fraction
         Share of the reads that decode to a plan without any violation.
     best, mean
@@ -72,6 +73,7 @@ class SamplerReport:
     random_feasible_fraction: float | None = None
     random_best: float | None = None
     random_optimal_fraction: float | None = None
+    rounds: int = 1
     details: dict[str, Any] = field(default_factory=dict, compare=False)
 
 
@@ -198,7 +200,7 @@ class Result:
         if (s := self.sampler) is not None:
             best = "no feasible read" if s.best is None else f"best {s.best:g}, mean {s.mean:g}"
             lines.append(
-                f"{s.backend} by itself ({s.encoding}, {s.variables} variables, {s.reads} reads): "
+                f"{s.backend} by itself ({s.encoding}, {s.variables} variables, {_reads(s)}): "
                 f"{s.feasible_fraction:.0%} feasible, {best}{_optimal(s.optimal_fraction)}"
             )
             if s.random_feasible_fraction is not None:
@@ -253,3 +255,8 @@ class Result:
 
 def _optimal(share: float | None) -> str:
     return "" if share is None else f", {share:.2g} optimal"
+
+
+def _reads(report: SamplerReport) -> str:
+    rounds = f" in {report.rounds} rounds" if report.rounds > 1 else ""
+    return f"{report.reads} reads{rounds}"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -160,6 +161,8 @@ class Run:
                 if ours:
                     raise
                 raise BackendError(f"backend {planner.name} failed: {text}") from error
+        if (told := found.info.get("reads")) is not None:
+            self._tell_reads(planner.name, told)
         self.work[planner.name] = self.work.get(planner.name, 0) + found.work
         if found.routes is not None:
             self.offer(found.routes)
@@ -171,6 +174,22 @@ class Run:
             self.bound = max(self.bound, self.cost)
         self.tell()
         return found
+
+    def _tell_reads(self, name: str, told: Mapping[str, Any]) -> None:
+        """Report the reads of a planner that samples plans: all of them are feasible."""
+        lengths = np.asarray(told["lengths"], dtype=np.float64)
+        self.reads = (lengths, None)
+        self.sampler = SamplerReport(
+            backend=name,
+            encoding=told["encoding"],
+            variables=told["variables"],
+            reads=lengths.size,
+            feasible_fraction=1.0,
+            best=float(lengths.min()),
+            mean=float(lengths.mean()),
+            energy=float(lengths.min()),
+            details=dict(told["details"]),
+        )
 
     @property
     def finished(self) -> bool:

@@ -12,8 +12,9 @@ from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError
 from qrobot.models import PickingModel, build_model
 from qrobot.planning.polish import random_routes, repair_and_polish
-from qrobot.planning.reads import split_options, take_reads
+from qrobot.planning.reads import split_options
 from qrobot.planning.result import SamplerReport
+from qrobot.planning.rounds import sample_in_rounds
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 from qrobot.remote import plain, redact_data
@@ -65,10 +66,11 @@ def run_sampler(
     run.begin(sampler.name)
     with run.timed("build"):
         model = build(instance, sampler, chosen)
-    samples = take_reads(run, sampler, model, chosen, sampling)
+    model, samples, reads, rounds = sample_in_rounds(run, sampler, model, chosen, sampling)
     if not len(samples):
         raise BackendError(f"backend {sampler.name} gave no reads")
-    use_reads(run, sampler.name, model, samples, control=control)
+    run.work[sampler.name] = reads
+    use_reads(run, sampler.name, model, samples, reads=reads, rounds=rounds, control=control)
 
 
 def build(instance: Instance, sampler: PickingSampler, chosen: dict[str, Any]) -> PickingModel:
@@ -91,7 +93,14 @@ def build(instance: Instance, sampler: PickingSampler, chosen: dict[str, Any]) -
 
 
 def use_reads(
-    run: Run, name: str, model: PickingModel, samples: dimod.SampleSet, *, control: bool = False
+    run: Run,
+    name: str,
+    model: PickingModel,
+    samples: dimod.SampleSet,
+    *,
+    reads: int | None = None,
+    rounds: int = 1,
+    control: bool = False,
 ) -> None:
     """Report what reads are by themselves, then repair and polish the best of them.
 
@@ -103,13 +112,16 @@ def use_reads(
         Of the backend that the reads came from.
     model, samples
         The model, and its reads.
+    reads, rounds
+        Of all rounds; the rounds before the last held no plan.
     control
         Whether to look at as many random reads, and to polish as many random starts.
     """
     rng = np.random.default_rng(run.seed)
     with run.timed("decode"):
         feasible, costs = model.decode_all(samples)
-        report = _report(name, model, samples, feasible, costs)
+        report = _report(name, model, samples, feasible, costs, reads)
+        report.rounds = rounds
         starts = _starts(model, samples, feasible, costs)
         times = samples.record.num_occurrences.astype(np.float64)
         run.reads = (np.repeat(costs[feasible], times[feasible].astype(int)), None)
@@ -158,10 +170,15 @@ def _check_size(instance: Instance, sampler: PickingSampler) -> None:
 
 
 def _report(
-    name: str, model: PickingModel, samples: dimod.SampleSet, feasible: Any, costs: Any
+    name: str,
+    model: PickingModel,
+    samples: dimod.SampleSet,
+    feasible: Any,
+    costs: Any,
+    taken: int | None,
 ) -> SamplerReport:
     times = samples.record.num_occurrences.astype(np.float64)
-    reads = float(times.sum())
+    reads = float(times.sum()) if taken is None else float(taken)
     found = costs[feasible]
     return SamplerReport(
         backend=name,

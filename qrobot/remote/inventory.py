@@ -29,6 +29,7 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "ibm": ("qiskit-ibm-runtime",),
     "pennylane": ("pennylane", "pennylane-lightning", "autograd"),
     "braket": ("amazon-braket-sdk",),
+    "docplex": ("docplex", "qiskit-optimization"),
     "dwave": (
         "dwave-cloud-client", "dwave-hybrid", "dwave-networkx", "dwave-optimization",
         "dwave-system", "minorminer",

@@ -7,8 +7,22 @@ import itertools
 import dimod
 import numpy as np
 import pytest
+from gates_sdk.figures_energies import (
+    SDKS,
+    all_bits,
+    by_dimod,
+    random_bits,
+    relative,
+    small_cases,
+    wide_case,
+)
 from gates_sdk.pickings import table2_model
 from gates_sdk.stacks import needs, random_model, small_model
+
+from qrobot.backends.variational import ising
+from qrobot.models import to_ising
+
+STACKS = [pytest.param(sdk, marks=needs(sdk)) for sdk in SDKS]
 
 
 def cases():
@@ -28,51 +42,100 @@ def assignments(bqm):
     return bits, bqm.energies((values, list(bqm.variables)))
 
 
-@needs("qiskit")
+@pytest.mark.parametrize("sdk", STACKS)
 @pytest.mark.parametrize("bqm", cases())
-def test_sparse_pauli_op(bqm):
+def test_operators_have_the_energies_of_dimod(sdk, bqm):
+    bits, energies = assignments(bqm)
+    np.testing.assert_allclose(SDKS[sdk](bqm, bits), energies, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("sdk", STACKS)
+@pytest.mark.parametrize("name", small_cases())
+def test_operators_of_picking_models_on_all_assignments(sdk, name):
+    model = small_cases()[name]
+    assert model.num_variables <= 12
+    bits = all_bits(model.num_variables)
+    found, expected = SDKS[sdk](model.bqm, bits), by_dimod(model, bits)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("sdk", STACKS)
+def test_operators_of_two_robots_and_four_items(sdk):
+    model = wide_case()
+    assert model.num_variables == 48
+    bits = random_bits(48)
+    assert len(bits) == 10_000
+    found, expected = SDKS[sdk](model.bqm, bits), by_dimod(model, bits)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("sdk", STACKS)
+def test_a_flipped_sign_is_seen_and_comes_from_one_place(sdk, monkeypatch):
+    """With the annealer's convention every SDK is wrong by twice the fields, and only so."""
+    model = small_cases()["reduced K=1 n=2, paper slack"]
+    bits = all_bits(model.num_variables)
+    monkeypatch.setattr(ising, "to_ising", lambda bqm, _: to_ising(bqm, "annealer"))
+    wrong = SDKS[sdk](model.bqm, bits)
+    fields = (2 * bits - 1) @ to_ising(model.bqm).h
+    assert np.abs(fields).max() > 1
+    np.testing.assert_allclose(wrong - by_dimod(model, bits), -2 * fields, rtol=0, atol=1e-9)
+
+
+def prepared():
+    """Return a picking model, and a few assignments that are not their own mirror image."""
+    model = small_cases()["reduced K=1 n=2, paper slack"]
+    return model, np.vstack([np.eye(10, dtype=int)[:1], random_bits(10, 4, seed=1)])
+
+
+@needs("qiskit")
+def test_qiskits_expectation_of_prepared_states():
+    from qiskit.quantum_info import Statevector
+
     from qrobot.backends.qiskit import sparse_pauli_op
 
-    operator = sparse_pauli_op(bqm)
-    bits, energies = assignments(bqm)
-    signs = (-1.0) ** (bits @ operator.paulis.z.T.astype(int))
-    assert not operator.paulis.x.any()
-    np.testing.assert_allclose(signs @ operator.coeffs.real, energies, atol=1e-9)
-    if bqm.num_variables <= 6:
-        index = bits @ (1 << np.arange(bqm.num_variables))
-        diagonal = np.diag(operator.to_matrix()).real
-        np.testing.assert_allclose(diagonal[index], energies, atol=1e-9)
+    model, bits = prepared()
+    operator = sparse_pauli_op(model.bqm)
+    states = ["".join(map(str, row[::-1])) for row in bits]  # Qiskit writes qubit 0 last
+    found = [Statevector.from_label(s).expectation_value(operator).real for s in states]
+    assert relative(np.array(found), by_dimod(model, bits)) <= 1e-9
 
 
 @needs("pennylane")
-@pytest.mark.parametrize("bqm", cases())
-def test_pennylane_hamiltonian(bqm):
+def test_pennylanes_expectation_of_prepared_states():
     import pennylane as qml
 
     from qrobot.backends.pennylane import hamiltonian
 
-    made = hamiltonian(bqm)
-    bits, energies = assignments(bqm)
-    words = made.terms()
-    z = 1 - 2 * bits
-    wires = [[w for w in op.wires if "Z" in str(op)] for op in words[1]]
-    found = sum(c * np.prod(z[:, w], axis=1) for c, w in zip(words[0], wires, strict=True))
-    np.testing.assert_allclose(found, energies, atol=1e-9)
-    if bqm.num_variables <= 6:
-        matrix = qml.matrix(made, wire_order=range(bqm.num_variables))
-        np.testing.assert_allclose(np.diag(matrix).real, energies, atol=1e-9)
+    model, bits = prepared()
+    operator, device = hamiltonian(model.bqm), qml.device("default.qubit", wires=10)
+
+    @qml.qnode(device)
+    def circuit(row):
+        qml.BasisState(row, wires=range(10))
+        return qml.expval(operator)
+
+    assert relative(np.array([circuit(row) for row in bits]), by_dimod(model, bits)) <= 1e-9
 
 
 @needs("braket")
-@pytest.mark.parametrize("bqm", cases())
-def test_braket_observable(bqm):
+def test_brakets_expectation_of_prepared_states():
+    """Word by word: the local simulator takes no sum, and no coefficient."""
+    from braket.circuits import Circuit
+    from braket.circuits.observables import TensorProduct
+    from braket.devices import LocalSimulator
+
     from qrobot.backends.braket import observable
 
-    made = observable(bqm)
-    bits, energies = assignments(bqm)
-    z, found = 1 - 2 * bits, np.zeros(len(bits))
-    for word in getattr(made, "summands", [made]):
-        factors = getattr(word, "factors", [word])
-        qubits = [int(q) for f in factors if f.ascii_symbols[0] != "I" for q in f.targets]
-        found += word.coefficient * np.prod(z[:, qubits], axis=1)
-    np.testing.assert_allclose(found, energies, atol=1e-9)
+    model, bits = prepared()
+    words = observable(model.bqm).summands
+    found = []
+    for row in bits:
+        circuit = Circuit()
+        for qubit, bit in enumerate(row):
+            circuit = circuit.x(qubit) if bit else circuit.i(qubit)
+        for word in words:
+            plain = [type(f)(f.targets[0]) for f in getattr(word, "factors", [word])]
+            circuit.expectation(TensorProduct(plain) if len(plain) > 1 else plain[0])
+        values = LocalSimulator().run(circuit, shots=0).result().values
+        found.append(sum(w.coefficient * v for w, v in zip(words, values, strict=True)))
+    assert relative(np.array(found), by_dimod(model, bits)) <= 1e-9

@@ -14,6 +14,7 @@ import qrobot
 from qrobot.backends import Capabilities, Stop
 from qrobot.backends.sampler import PickingSampler
 from qrobot.planning.polish import random_routes, repair_and_polish
+from qrobot.planning.rounds import ROUNDS
 from qrobot.planning.run import plan_fits
 from qrobot.problem import Instance
 
@@ -131,3 +132,34 @@ def test_repair_makes_any_routes_valid(instance: Instance, seed: int, data: st.D
     assert plan_fits(instance, routes)
     dealt = random_routes(instance, np.random.default_rng(seed))
     assert sorted(v for route in dealt for v in route) == list(range(1, instance.size + 1))
+
+
+@pytest.mark.parametrize("backend", ["neal", "tabu", "descent"])
+@pytest.mark.parametrize(("items", "robots"), [(n, k) for k in (2, 3) for n in (2, 3, 4, 5)])
+def test_every_annealer_gives_a_plan_by_itself(backend: str, items: int, robots: int) -> None:
+    """Raw reads, nothing repaired; the lowest energy may be no plan at the first weights."""
+    for seed in (200, 204, 208):
+        instance = paper_shaped(items, robots, seed)
+        expected = least_distance(instance)
+        if expected is None:
+            continue
+        result = qrobot.solve(instance, backend=backend, deadline=20, seed=seed)
+        report = result.sampler
+        assert report.best is not None
+        assert report.best >= expected[0] - 1e-6
+        assert 1 <= report.rounds <= ROUNDS
+        assert report.reads > 0
+        assert report.feasible_fraction > 0
+
+
+def test_weights_of_the_caller_are_kept() -> None:
+    # An overload that is cheap: the lowest energy is no plan, and one round is all there is.
+    instance = paper_shaped(3, 2, 204)
+    result = qrobot.solve(
+        instance, backend="tabu", deadline=20, penalties={"capacity": 1e-3}, num_reads=5
+    )
+    assert result.sampler.rounds == 1
+    assert result.sampler.best is None
+    assert qrobot.check(result.plan, instance).ok  # by repair, and the report says so
+    again = qrobot.solve(instance, backend="tabu", deadline=20, num_reads=5)
+    assert again.sampler.reads == 5 * again.sampler.rounds

@@ -1,7 +1,7 @@
 """A binary quadratic model as arrays, its Ising form, and its energies on all assignments.
 
-Sign conventions are settled here. Bit value 1 is state |1>, and Z is +1 on |0>: the binary
-variable is x = (1 - z) / 2. A SPIN model of dimod has x = (1 + s) / 2, so s = -z.
+Bit value 1 is state |1>, and Z is +1 on |0>: the binary variable is x = (1 - z) / 2.
+`qrobot.models.ising` converts.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from qrobot.backends.gates.memory import aligned
 from qrobot.backends.sampler import check_finite
+from qrobot.models.ising import ising_of
 
 __all__ = ["Form", "bits_of", "diagonal"]
 
@@ -72,10 +73,12 @@ class Form:
     @cached_property
     def ising(self) -> tuple[Floats, Floats, float]:
         """Fields h (n,), couplings J (n, n, symmetric) and constant of the form in Z."""
-        both = self.quadratic + self.quadratic.T
-        h = -self.linear / 2 - both.sum(axis=1) / 4
-        constant = self.offset + self.linear.sum() / 2 + self.quadratic.sum() / 4
-        return h, both / 4, float(constant)
+        rows, columns = np.nonzero(self.quadratic)
+        values = self.quadratic[rows, columns]
+        gate = ising_of(self.linear, rows, columns, values, self.offset, convention="gate")
+        J = np.zeros_like(self.quadratic)
+        J[rows, columns] = J[columns, rows] = gate.J
+        return gate.h, J, gate.offset
 
     @cached_property
     def mean(self) -> float:

@@ -1,0 +1,207 @@
+"""The paper's constrained model, errata mended, written out with docplex.
+
+This is docs/formulation.md term by term and shares no code with the vectorised models but
+the list of vehicles and the coefficients of the slack: each is a test of the other.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import combinations, permutations
+from typing import Any, Literal
+
+from qrobot.errors import InputError, MissingExtraError
+from qrobot.models.fleet import Fleet, fleet_of
+from qrobot.models.layout import MAX_VARIABLES
+from qrobot.models.penalties import Penalties
+from qrobot.models.slack import Slack, slack_coefficients
+from qrobot.problem import Instance
+
+__all__ = ["DOCPLEX_ENCODINGS", "picking_docplex"]
+
+DOCPLEX_ENCODINGS: tuple[Literal["reduced", "full"], ...] = ("reduced", "full")
+
+MAX_PAIRS = 200_000
+"""More constraints over pairs are refused: docplex takes about 1 kB for each."""
+
+Place = tuple[int, Any]
+"""A node and the variable (or the constant 1) that says that a robot is there."""
+
+
+def picking_docplex(
+    instance: Instance,
+    encoding: Literal["reduced", "full"] = "reduced",
+    slack: Slack | None = None,
+) -> Any:
+    """Return the constrained model of an instance.
+
+    Variables are called as in `PickingModel.variables`, ``x[t,i,p]`` and ``slack[p,b]``.
+    Constraints are called by what they keep: ``step[t,p]``, ``visit[i]``,
+    ``capacity[p]``, ``depot[t]`` (full encoding), ``order[...]`` (a pair of items of one
+    order on two robots) and ``detour[...]`` (only where a way over the depot is shorter
+    than the direct one, as with `Penalties.detour`). Constraints over pairs are
+    x + y <= 1.
+
+    Parameters
+    ----------
+    instance
+        The question; n items, K robots.
+    encoding
+        ``reduced``, K n (n + 1) variables, or ``full``, K (n + 1) (n + 2).
+    slack
+        None keeps the capacity as an inequality: the model to solve. ``exact`` or
+        ``paper`` adds slack binaries and makes it an equation: the model to penalise.
+
+    Returns
+    -------
+    docplex.mp.model.Model
+        Binary, quadratic objective in units of distance, linear constraints; weights are
+        in the instance's units.
+
+    Raises
+    ------
+    InputError
+        When an option is unknown, or the model would be too large.
+    MissingExtraError
+        When docplex is not installed.
+    """
+    _choice("encoding", encoding, DOCPLEX_ENCODINGS)
+    _choice("slack", slack, (None, "exact", "paper"))
+    fleet = fleet_of(instance, every_robot=True)
+    n, robots = instance.size, len(fleet)
+    layers = n if encoding == "reduced" else n + 2
+    size = robots * (n + 1) * layers
+    if size > MAX_VARIABLES:
+        raise InputError(
+            f"the {encoding} docplex model would have {size} binary variables, more than the "
+            f"{MAX_VARIABLES} that one model may have",
+            field="encoding",
+            mend="plan fewer items at a time, or with fewer robots",
+        )
+    detours = Penalties.measured(instance, encoding).detour > 0
+    pairs = robots * (robots - 1) * layers**2 * sum(1 for _ in _mates(instance))
+    pairs += robots * layers * n if detours else 0
+    if pairs > MAX_PAIRS:
+        raise InputError(
+            f"the docplex model would have {pairs} constraints over pairs of variables, more "
+            f"than the {MAX_PAIRS} that are written",
+            field="orders",
+            mend="plan fewer items at a time, or split the orders",
+        )
+    try:
+        from docplex.mp.model import Model
+    except ImportError:
+        raise MissingExtraError("a docplex model", "docplex") from None
+    name = re.sub(r"[^A-Za-z0-9.-]+", "-", instance.name)[:80]  # goes into a comment of the LP
+    model = Model(f"qrobot-{name}", checker="off")
+    _Writer(model, instance, fleet, full=encoding == "full").write(slack, detours)
+    return model
+
+
+class _Writer:
+    """Writes the formulas into an empty docplex model."""
+
+    def __init__(self, model: Any, instance: Instance, fleet: Fleet, *, full: bool) -> None:
+        self.model, self.instance, self.fleet, self.full = model, instance, fleet, full
+        self.n, self.robots = instance.size, range(1, len(fleet) + 1)
+        self.steps = range(self.n + 2) if full else range(1, self.n + 1)
+        self.x = {
+            (t, i, p): model.binary_var(name=f"x[{t},{i},{p}]")
+            for p in self.robots
+            for t in self.steps
+            for i in range(self.n + 1)
+        }
+
+    def places(self, t: int, p: int) -> list[Place]:
+        """Return where robot p may be at step t; the reduced encoding's ends are constant."""
+        if t not in self.steps:
+            return [(0, 1)]
+        return [(i, self.x[t, i, p]) for i in range(self.n + 1)]
+
+    def write(self, slack: Slack | None, detours: bool) -> None:
+        """Write objective and constraints."""
+        self.model.minimize(self.model.sum(list(self._ways())))
+        for p in self.robots:
+            for t in self.steps:
+                self._add(self._sum(x for _, x in self.places(t, p)) == 1, f"step[{t},{p}]")
+        for i in range(1, self.n + 1):
+            visits = self._sum(self.x[t, i, p] for p in self.robots for t in self.steps)
+            self._add(visits == 1, f"visit[{i}]")
+        for p in self.robots:
+            self._capacity(p, slack)
+        if self.full:
+            for t in (0, self.n + 1):
+                ready = self._sum(self.x[t, 0, p] for p in self.robots)
+                self._add(ready == len(self.robots), f"depot[{t}]")
+        self._orders()
+        if detours:
+            self._detours()
+
+    def _ways(self) -> Iterator[Any]:
+        """Yield x[t-1,i,p] x[t,j,p] d[i,j]."""
+        d = self.instance.distances.tolist()
+        for p in self.robots:
+            for t in range(1, self.n + 2):
+                for i, x in self.places(t - 1, p):
+                    for j, y in self.places(t, p):
+                        if d[i][j]:
+                            yield d[i][j] * (x * y)
+
+    def _capacity(self, p: int, slack: Slack | None) -> None:
+        room = int(self.fleet.capacities[p - 1])
+        weights = [0, *self.instance.weights.tolist()]
+        load = self._sum(
+            weights[i] * self.x[t, i, p]
+            for t in self.steps
+            for i in range(1, self.n + 1)
+            if weights[i]
+        )
+        if slack is None:
+            if any(weights):
+                self._add(load <= room, f"capacity[{p}]")
+            return
+        bits = slack_coefficients(room, slack).tolist()
+        left = [c * self.model.binary_var(name=f"slack[{p},{b}]") for b, c in enumerate(bits)]
+        if left or room or any(weights):
+            self._add(load + self._sum(left) == room, f"capacity[{p}]")
+
+    def _orders(self) -> None:
+        """Forbid two robots to collect of one order."""
+        for i, j in _mates(self.instance):
+            for p, q in permutations(self.robots, 2):
+                for t in self.steps:
+                    for u in self.steps:
+                        self._apart((t, i, p), (u, j, q), "order")
+
+    def _detours(self) -> None:
+        """Forbid to leave the depot at a later step than the first."""
+        for p in self.robots:
+            for t in self.steps:
+                if t < 1 or t + 1 not in self.steps:
+                    continue
+                for j in range(1, self.n + 1):
+                    self._apart((t, 0, p), (t + 1, j, p), "detour")
+
+    def _apart(self, one: tuple[int, int, int], two: tuple[int, int, int], family: str) -> None:
+        name = ",".join(map(str, one + two))
+        self._add(self.x[one] + self.x[two] <= 1, f"{family}[{name}]")
+
+    def _add(self, constraint: Any, name: str) -> None:
+        self.model.add_constraint(constraint, ctname=name)
+
+    def _sum(self, terms: Any) -> Any:
+        """Return a sum that is an expression of docplex, even an empty one."""
+        return self.model.linear_expr() + self.model.sum(list(terms))
+
+
+def _mates(instance: Instance) -> Iterator[tuple[int, int]]:
+    """Yield the pairs of nodes that belong to one order."""
+    for nodes in instance.order_nodes:
+        yield from combinations(sorted(nodes), 2)
+
+
+def _choice(field: str, value: object, known: tuple[object, ...]) -> None:
+    if value not in known:
+        names = ", ".join("none" if name is None else str(name) for name in known)
+        raise InputError(f"{value!r} is unknown", field=field, mend=f"use {names}")

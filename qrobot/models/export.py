@@ -1,0 +1,146 @@
+"""Models as files for other programs: an LP of docplex, dimod's JSON, coordinates."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from typing import Any, cast
+
+import dimod
+import numpy as np
+
+from qrobot._files import StrPath, write_text_atomic
+from qrobot.errors import InputError
+from qrobot.models.model import build_model
+from qrobot.models.penalties import Encoding
+from qrobot.models.slack import Slack
+from qrobot.problem import Instance
+
+__all__ = ["FORMATS", "coordinates", "export_model", "format_of"]
+
+FORMATS = {".lp": "lp", ".json": "bqm", ".coo": "coo"}
+"""The format that each file ending asks for."""
+
+
+def format_of(path: StrPath) -> str:
+    """Return the format that a file's ending asks for: ``lp``, ``bqm`` or ``coo``.
+
+    Raises
+    ------
+    InputError
+        When the ending is another.
+    """
+    ending = os.path.splitext(os.fspath(path))[1].lower()
+    if ending not in FORMATS:
+        raise InputError(
+            f"the ending {ending!r} names no format",
+            source=os.fspath(path),
+            mend="use .lp, .bqm.json or .coo",
+        )
+    return FORMATS[ending]
+
+
+def export_model(
+    instance: Instance,
+    path: StrPath,
+    encoding: str | None = None,
+    slack: str | None = None,
+) -> dict[str, Any]:
+    """Write the model of an instance to a file; its ending chooses what is written.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    path
+        ``.lp``: the constrained model, from docplex. ``.bqm.json`` or ``.json``: the
+        penalty form, to be read by `dimod.BinaryQuadraticModel.from_serializable`.
+        ``.coo``: the same as coordinates, see `coordinates`.
+    encoding
+        None is ``reduced`` for an LP and ``compact`` for a penalty form.
+    slack
+        ``exact`` or ``paper``; None is ``exact`` for a penalty form, and leaves the
+        capacity of an LP an inequality.
+
+    Returns
+    -------
+    dict
+        What was written, as plain data: ``format``, ``encoding``, ``slack``,
+        ``variables``, ``couplings`` (products in the objective), ``constraints`` and
+        ``penalties`` (None in an LP).
+
+    Raises
+    ------
+    InputError
+        When an option or the ending is unknown, the model too large, or the file cannot
+        be written.
+    InfeasibleError
+        When the compact encoding proves that no plan exists.
+    MissingExtraError
+        When docplex is needed and not installed.
+    """
+    kind = format_of(path)
+    if kind == "lp":
+        return {"format": kind} | _write_lp(instance, path, encoding or "reduced", slack)
+    model = build_model(
+        instance, cast("Encoding", encoding or "compact"), cast("Slack", slack or "exact")
+    )
+    if kind == "bqm":
+        text = json.dumps(model.bqm.to_serializable()) + "\n"
+    else:
+        text = coordinates(model.bqm)
+    write_text_atomic(path, text)
+    return {
+        "format": kind,
+        "encoding": model.encoding,
+        "slack": model.slack,
+        "variables": model.num_variables,
+        "couplings": model.bqm.num_interactions,
+        "constraints": 0,
+        "penalties": dataclasses.asdict(model.penalties),
+    }
+
+
+def _write_lp(
+    instance: Instance, path: StrPath, encoding: str, slack: str | None
+) -> dict[str, Any]:
+    from qrobot.models.docplex import lp_text, picking_docplex
+
+    model = picking_docplex(instance, cast("Any", encoding), cast("Slack | None", slack))
+    write_text_atomic(path, lp_text(model))
+    objective = model.objective_expr
+    quadratic = objective.number_of_quadratic_terms if objective.is_quad_expr() else 0
+    return {
+        "encoding": encoding,
+        "slack": slack,
+        "variables": model.number_of_variables,
+        "couplings": quadratic,
+        "constraints": model.number_of_constraints,
+        "penalties": None,
+    }
+
+
+def coordinates(bqm: dimod.BinaryQuadraticModel) -> str:
+    """Return a model as lines ``i j bias``, as `dimod.serialization.coo` reads them.
+
+    Other than dimod's own writer it rounds nothing, and keeps in comments what the format
+    has no place for: the constant and the names of the variables. A variable that has no
+    bias is written with bias 0, so that none is lost.
+    """
+    names = list(bqm.variables)
+    linear, (rows, columns, values), offset = bqm.to_numpy_vectors(variable_order=names)
+    lines = [f"# vartype={bqm.vartype.name}", f"# offset={_digits(offset)}"]
+    lines += [f"# variable {k} {name}" for k, name in enumerate(names)]
+    lines += [f"{k} {k} {_digits(bias)}" for k, bias in enumerate(linear)]
+    pairs = sorted(
+        (min(i, j), max(i, j), value)
+        for i, j, value in zip(rows.tolist(), columns.tolist(), values.tolist(), strict=True)
+    )
+    lines += [f"{i} {j} {_digits(value)}" for i, j, value in pairs]
+    return "\n".join(lines) + "\n"
+
+
+def _digits(value: float) -> str:
+    """Return all digits without an exponent, which dimod would not read."""
+    return np.format_float_positional(value, trim="0")

@@ -1,0 +1,88 @@
+"""Reads in rounds: while no read is a plan, raise the weight that was broken and sample again.
+
+The measured weights let an annealer move, and their lowest energy may be no plan: a robot
+that carries a little too much is cheap. A sampler that only looks for the lowest energy then
+never gives a plan. Raising the weight of what its best read breaks mends that; every read is
+still the sampler's own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import dimod
+
+from qrobot.backends.sampler import PickingSampler
+from qrobot.models import Penalties, PickingModel, build_model
+from qrobot.planning.reads import take_reads
+from qrobot.planning.run import Run
+
+__all__ = ["ROUNDS", "sample_in_rounds"]
+
+ROUNDS = 8
+"""Most rounds of a local sampler; a remote one has one, because each would bill."""
+
+HEAVIER, FIRMER = 2.0, 1.5
+"""Growth of the capacity weight a round, and of the others."""
+
+
+def sample_in_rounds(
+    run: Run,
+    sampler: PickingSampler,
+    model: PickingModel,
+    chosen: dict[str, Any],
+    sampling: dict[str, Any],
+) -> tuple[PickingModel, dimod.SampleSet, int, int]:
+    """Sample a model until a read is a plan, or the rounds, the time or the work are over.
+
+    Parameters
+    ----------
+    run, sampler, model, chosen, sampling
+        As of `take_reads`. Weights that the caller chose are never changed.
+
+    Returns
+    -------
+    model
+        The one of the last round.
+    samples
+        Of the last round; those before held no plan.
+    reads
+        Of all rounds together.
+    rounds
+        How many there were.
+    """
+    once = "penalties" in chosen or sampler.runs_remotely(**sampling)
+    total = rounds = 0
+    while True:
+        samples = take_reads(run, sampler, model, chosen, sampling)
+        rounds += 1
+        total += int(samples.record.num_occurrences.sum())
+        limit = run.stop.max_work
+        over = run.stop() or rounds == ROUNDS or (limit is not None and total >= limit)
+        if once or over or not len(samples):
+            return model, samples, total, rounds
+        with run.timed("decode"):
+            feasible, _ = model.decode_all(samples)
+        if feasible.any():
+            return model, samples, total, rounds
+        with run.timed("build"):
+            model = build_model(run.instance, **chosen, penalties=_raised(model, samples))
+
+
+def _raised(model: PickingModel, samples: dimod.SampleSet) -> Penalties:
+    """Return the weights with those raised that the read of least energy breaks."""
+    row = samples.record.sample[int(samples.record.energy.argmin())]
+    best = dict(zip(samples.variables, row.tolist(), strict=True))
+    kinds = {violation.kind for violation in model.decode(best).violations}
+    weights = model.penalties
+    if "capacity" in kinds:
+        weights = replace(weights, capacity=weights.capacity * HEAVIER)
+    if kinds - {"capacity"}:
+        weights = replace(
+            weights,
+            step=weights.step * FIRMER,
+            visit=weights.visit * FIRMER,
+            same_robot=weights.same_robot * FIRMER,
+        )
+    return weights
