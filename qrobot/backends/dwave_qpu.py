@@ -19,6 +19,10 @@ __all__ = ["DWaveQPUSampler"]
 EMBEDDING_SECONDS = 60
 """Longest search for an embedding; minorminer's own default is 1000."""
 
+CHAINS = 0.9
+"""Chain strength of picking models in units of the SDK's (whose own prefactor is 1.414).
+Measured with simulated annealing on an embedded graph, not on a QPU: docs/stacks/dwave.md."""
+
 
 class DWaveQPUSampler(DWaveCloudSampler):
     """A D-Wave quantum annealer. Work units: reads.
@@ -55,9 +59,9 @@ class DWaveQPUSampler(DWaveCloudSampler):
         return opened(DWaveSampler, config)
 
     def picking_defaults(self, *, largest_distance: float) -> dict[str, Any]:
-        """Return a number of reads that suits picking models."""
+        """Return reads and chains that suit picking models."""
         del largest_distance
-        return {"num_reads": 1000}
+        return {"num_reads": 1000, "chain_strength": _chains}
 
     def embed(
         self, bqm: dimod.BinaryQuadraticModel, seed: int | None = None, **parameters: Any
@@ -187,6 +191,13 @@ class DWaveQPUSampler(DWaveCloudSampler):
         samples.info.update(info)
         answer.samples = samples
         return answer
+
+
+def _chains(bqm: dimod.BinaryQuadraticModel, embedding: Any = None) -> float:
+    """Return the SDK's uniform torque compensation, times `CHAINS`."""
+    from dwave.embedding.chain_strength import uniform_torque_compensation
+
+    return float(uniform_torque_compensation(bqm, embedding, prefactor=CHAINS))
 
 
 def _method(name: str) -> Any:

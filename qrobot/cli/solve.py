@@ -86,7 +86,7 @@ def command(
       qrobot solve examples/orders.csv --layout examples/layout.json
       qrobot solve examples/paper-7-items.json --backend neal --control
       qrobot solve X-n101-k25.vrp --robots free --deadline 30
-      qrobot solve examples/paper-4-items.json -b qiskit-vqe -O device=aer
+      qrobot solve examples/paper-4-items-m45.json --robots 1 -b qiskit-vqe -O device=aer
       qrobot solve examples/paper-7-items.json -b dwave-qpu --dry-run
       qrobot solve examples/paper-7-items.json -b dwave-qpu --max-cost 0.50 --fallback auto
     """

@@ -240,7 +240,10 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
         begun = time.perf_counter()
         try:
             done = subprocess.run(
-                [sys.executable, "-m", "qrobot.report.bench_worker", json.dumps(asdict(task))],
+                [
+                    *(sys.executable, "-m", "qrobot.report.bench_worker"),
+                    *(json.dumps(asdict(task)), str(os.getpid())),
+                ],
                 capture_output=True,
                 text=True,
                 timeout=limit,

@@ -1,13 +1,17 @@
 """One run of the benchmark in a process of its own: prints one line of JSON.
 
-``python -m qrobot.report.bench_worker '{"path": ..., "backend": ...}'``
+``python -m qrobot.report.bench_worker '{"path": ..., "backend": ...}' PARENT``; it ends when the
+process PARENT is gone, however that went.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import resource
 import sys
+import threading
+import time
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -51,6 +55,13 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
     return row
 
 
+def _end_with(parent: int) -> None:
+    """End this process when its parent is gone: nobody would read the row."""
+    while os.getppid() == parent:
+        time.sleep(0.5)
+    os._exit(1)
+
+
 def _peak_mb() -> float:
     """Return the largest resident memory of this process, 10^6 bytes.
 
@@ -67,4 +78,5 @@ def _peak_mb() -> float:
 
 
 if __name__ == "__main__":
+    threading.Thread(target=_end_with, args=(int(sys.argv[2]),), daemon=True).start()
     sys.stdout.write(json.dumps(run(json.loads(sys.argv[1]))) + "\n")

@@ -11,6 +11,7 @@ import threading
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from qrobot.cli import main
@@ -65,6 +66,23 @@ def test_an_interrupted_bench_keeps_its_rows(number: signal.Signals, tmp_path: P
     assert report["interrupted"] is True
     assert [row["instance"] for row in report["rows"]] == ["paper-4-items"]
     assert table.read_text().count("\n") == 2
+
+
+def test_a_killed_bench_leaves_nobody_behind(tmp_path: Path) -> None:
+    folder = tmp_path / "questions"
+    folder.mkdir()
+    name = "small-warehouse.json"
+    (folder / name).write_text((EXAMPLES / name).read_text())
+    process = start("bench", folder, "-t", "120")
+    bench = psutil.Process(process.pid)
+    deadline = time.monotonic() + 60
+    while not (workers := bench.children(recursive=True)):
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    process.kill()
+    process.communicate(timeout=60)
+    _, alive = psutil.wait_procs(workers, timeout=60)
+    assert not alive
 
 
 def test_the_second_interrupt_aborts(tmp_path: Path) -> None:

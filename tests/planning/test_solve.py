@@ -189,8 +189,9 @@ sys.path[:0] = ['tests', '.']
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from oracles import paper_shaped
 import qrobot
-threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
-result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60)
+press = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT))
+begun = lambda _: None if press.is_alive() or press.finished.is_set() else press.start()
+result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60, on_progress=begun)
 assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 print(result.ended, qrobot.check(result.plan, result.instance).ok)
 """
