@@ -14,11 +14,9 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import random
 import sys
 import time
 from collections.abc import Iterator
-from fractions import Fraction
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -34,10 +32,8 @@ from qrobot.backends.gates import (
     penalty_row,
     subspace_row,
 )
-from qrobot.models import PickingModel, build_model
-from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
-
-WEIGHTS = (3, 1, 3, 1, 1, 1, 2, 1, 1, 1, 1, 1)
+from qrobot.report.reproduce.instances import paper_instance as paper_row
+from qrobot.report.reproduce.instances import penalty_model
 
 FIELDS = (
     ("method", "method", "{}"),
@@ -60,30 +56,6 @@ FIELDS = (
     ("best of S", "best", "{:.1f}"),
     ("random", "best_uniform", "{:.1f}"),
 )
-
-
-def paper_row(
-    items: int, robots: int = 1, capacity: int | None = None, *, whole: bool = False, seed: int = 7
-) -> Instance:
-    """Return the instance of a row: places on a floor of 40 m, depot in the middle."""
-    rng = random.Random(f"gate-row/{seed}")
-    places = [Point(rng.randint(0, 80) / 2, rng.randint(0, 80) / 2) for _ in range(items)]
-    room = capacity or (15 if items < 10 else 25)
-    made = tuple(Item(f"i{k + 1}", Fraction(WEIGHTS[k]), at) for k, at in enumerate(places))
-    return Instance(
-        warehouse=OpenFloor(depot_x=20.0, depot_y=20.0, rounding="nearest" if whole else "none"),
-        items=made,
-        orders=tuple(Order(item.id, (item.id,)) for item in made),
-        robots=tuple(Robot(f"R{k + 1}", Fraction(room)) for k in range(robots)),
-        name=f"gate-row-{items}-{robots}",
-    )
-
-
-def penalty_model(instance: Instance) -> PickingModel:
-    """Return the paper's model; the optimal plan is its lowest energy with these weights."""
-    step = 2.0 * float(instance.distances.max())
-    weights = {"step": step, "visit": step, "capacity": step / 20}
-    return build_model(instance, encoding="reduced", slack="paper", penalties=weights)
 
 
 def rows(largest: int, shots: int) -> Iterator[GateRow]:

@@ -12,14 +12,17 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.braket_cloud import TaskEngine, check_fit
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.devices import arn_of
-from qrobot.backends.variational.engine import Engine, StateEngine, room
+from qrobot.backends.variational.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.variational.ising import terms
 from qrobot.backends.variational.options import Options
-from qrobot.backends.variational.sampler import VariationalSampler, failed
-from qrobot.errors import BackendError, CredentialsError, InputError, MissingExtraError
+from qrobot.backends.variational.sampler import VariationalSampler
+from qrobot.errors import InputError, MissingExtraError
+from qrobot.remote import Options as Life
+from qrobot.remote.aws import check_status, open_device
 
 __all__ = ["BraketQAOA", "BraketVQE", "circuit_of", "observable"]
 
@@ -27,8 +30,6 @@ Floats = npt.NDArray[np.float64]
 Bits = npt.NDArray[np.int8]
 
 NAMES = {"rzz": "zz"}
-
-SIMULATORS = ("sv1", "dm1")
 
 
 def observable(bqm: Any) -> Any:
@@ -100,28 +101,23 @@ class _Local(StateEngine):
 
 
 class _Shots(Engine):
-    """Measured shots of any Braket device."""
+    """Measured shots of a simulator of this machine."""
 
-    def __init__(
-        self, circuit: Circuit, device: Any, name: str, native: bool, run: dict[str, Any]
-    ) -> None:
+    def __init__(self, circuit: Circuit, device: Any, run: dict[str, Any]) -> None:
         super().__init__(circuit)
-        self._device, self._native, self._run = device, native, run
-        self.facts = {"device": name}
+        self._device, self._run = device, run
+        self.facts = {"device": str(getattr(device, "name", type(device).__name__))}
 
     def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
         """Return measured shots; Braket's devices take no seed."""
         self.executions += 1
         del seed
-        made = circuit_of(self.circuit, angles, native=self._native)
-        try:
-            task = self._device.run(made, shots=shots, **self._run)
-            self.facts.setdefault("jobs", []).append(str(getattr(task, "id", "")))
-            result = task.result()
-        except Exception as error:
-            raise failed("braket", "running the circuit", error) from None
-        if result is None or getattr(result, "measurements", None) is None:
-            raise BackendError("backend braket: the task ended without measurements")
+        made = circuit_of(self.circuit, angles)
+        result = attempt(
+            "braket",
+            "running the circuit",
+            lambda: self._device.run(made, shots=shots, **self._run).result(),
+        )
         found = np.asarray(result.measurements, dtype=np.int8)
         order = [list(result.measured_qubits).index(q) for q in range(self.circuit.qubits)]
         return found[:, order]
@@ -132,8 +128,9 @@ class _Braket(VariationalSampler):
 
     ``device``: ``local`` (default; also ``braket_sv`` or ``braket_dm``), an ARN, a name of
     `qrobot.backends.variational.devices` (SV1, DM1, Forte-1, Garnet, Emerald,
-    Cepheus-1-108Q ...), or a device object. ``run_options``: passed to the device's ``run``,
-    such as ``s3_destination_folder``. Credentials are boto3's own.
+    Cepheus-1-108Q ...), or a device object. ``device_options``: for ``AwsDevice``, such as
+    ``aws_session``. ``run_options``: passed to the device's ``run``, such as
+    ``s3_destination_folder``. Credentials are boto3's own.
     """
 
     sdk = "braket"
@@ -153,42 +150,52 @@ class _Braket(VariationalSampler):
             return True
         if isinstance(device, str):
             arn_of(device)
-        elif not callable(getattr(device, "run", None)):
+            return False
+        if not callable(getattr(device, "run", None)):
             raise InputError(f"a {type(device).__name__} is no Braket device", field="device")
-        else:
-            _fits(device, qubits)
-        return False
+        if getattr(device, "arn", None):
+            return False
+        room(qubits, "Braket's local simulator")
+        return True
 
     def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return the device, ready to run the ansatz."""
+        """Return a local device, ready to run the ansatz."""
         device, run = options.device or "local", dict(own.get("run_options") or {})
-        if device in ("local", "braket_sv", "braket_dm"):
+        if isinstance(device, str):
             name = "braket_sv" if device == "local" else device
             if options.shots is None:
                 return _Local(ansatz.circuit, name)
-            local = _need("braket.devices", "backend braket").LocalSimulator(name)
-            return _Shots(ansatz.circuit, local, name, True, run)
-        if isinstance(device, str):
-            device = self._managed(arn_of(device), options.device_options)
-            _fits(device, ansatz.circuit.qubits)
-        arn = str(getattr(device, "arn", ""))
-        name = arn or str(getattr(device, "name", type(device).__name__))
-        return _Shots(ansatz.circuit, device, name, arn.endswith(SIMULATORS), run)
+            device = _need("braket.devices", "backend braket").LocalSimulator(name)
+        return _Shots(ansatz.circuit, device, run)
 
-    def _managed(self, arn: str, options: dict[str, Any]) -> Any:
-        aws = _need("braket.aws", "Braket's managed devices")
-        try:
-            return aws.AwsDevice(arn, **options)
-        except Exception as error:
-            kind = type(error).__name__
-            if kind in ("NoCredentialsError", "NoRegionError", "PartialCredentialsError") or (
-                kind == "ProfileNotFound"
-            ):
-                raise CredentialsError(
-                    f"backend {self.name}: AWS credentials are missing ({kind}); "
-                    "run `aws configure`"
-                ) from None
-            raise failed(self.name, f"opening device {arn}", error) from None
+    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+        """Return an ``AwsDevice`` that holds the model and is online."""
+        del own
+        device = options.device
+        if isinstance(device, str):
+            arn = arn_of(device)
+            _need("braket.aws", "Braket's managed devices")
+            device = open_device(
+                arn, options.device_options, backoff=life.backoff, stop=life.interrupt_function
+            )
+        else:
+            check_status(device)
+        shots = int(options.num_reads)
+        if options.train == "device":
+            shots = max(shots, options.shots or 0)
+        check_fit(device, qubits, shots)
+        return device
+
+    def remote_engine(
+        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
+    ) -> TaskEngine:
+        """Return an ``AwsDevice``, ready to run the ansatz."""
+        del options
+
+        def build(angles: Floats, native: bool) -> Any:
+            return circuit_of(ansatz.circuit, angles, native=native)
+
+        return TaskEngine(ansatz.circuit, machine, build, dict(own.get("run_options") or {}))
 
 
 class BraketVQE(_Braket):
@@ -208,13 +215,3 @@ def _need(module: str, what: str) -> Any:
         return importlib.import_module(module)
     except ImportError:
         raise MissingExtraError(what, "braket") from None
-
-
-def _fits(device: Any, qubits: int) -> None:
-    paradigm = getattr(getattr(device, "properties", None), "paradigm", None)
-    most = getattr(paradigm, "qubitCount", None)
-    if most is not None and qubits > most:
-        raise BackendError(
-            f"the model needs {qubits} qubits and device {getattr(device, 'name', '')} has "
-            f"{most}; use a smaller model or a larger device"
-        )

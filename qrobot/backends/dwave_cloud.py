@@ -11,7 +11,7 @@ from qrobot.backends.base import Capabilities
 from qrobot.backends.sampler import PickingSampler, check_finite
 from qrobot.errors import MissingExtraError, RemoteError
 from qrobot.remote import PARAMETERS, Answer, Estimate, Keep, Options, RemoteJob, State, run_job
-from qrobot.remote.cost import by_time, price
+from qrobot.remote.cost import by_time, price, price_source
 from qrobot.remote.dwave import DWaveJobs, check_token, connection, run_seconds
 
 __all__ = ["DWaveCloudSampler"]
@@ -141,7 +141,8 @@ class DWaveCloudSampler(PickingSampler):
     def usd(self, seconds: float, what: str) -> Estimate:
         """Return the cost of so many seconds of this solver."""
         rate = float(self.properties.get("quota_conversion_rate") or 1)
-        return by_time(seconds, price("dwave-hour") / 3600 / rate, what)
+        note = f"price {price_source('dwave-hour')}"
+        return by_time(seconds, price("dwave-hour") / 3600 / rate, what, note)
 
     def handed_over(self, samples: Any) -> tuple[str, str]:
         """Return the service's id of a job that was just submitted, and the device."""

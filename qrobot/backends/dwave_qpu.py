@@ -19,7 +19,7 @@ __all__ = ["DWaveQPUSampler"]
 EMBEDDING_SECONDS = 60
 """Longest search for an embedding; minorminer's own default is 1000."""
 
-CHAINS = 0.9
+CHAINS = 1.0
 """Chain strength of picking models in units of the SDK's (whose own prefactor is 1.414).
 Measured with simulated annealing on an embedded graph, not on a QPU: docs/stacks/dwave.md."""
 

@@ -11,13 +11,15 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.pennylane_remote import REMOTE, PluginEngine, admitted, limited
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.circuit import Circuit
-from qrobot.backends.variational.engine import Engine, StateEngine, room
+from qrobot.backends.variational.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.variational.ising import terms
 from qrobot.backends.variational.options import Options
-from qrobot.backends.variational.sampler import VariationalSampler, failed
+from qrobot.backends.variational.sampler import VariationalSampler
 from qrobot.errors import InputError, MissingExtraError
+from qrobot.remote import Options as Life
 
 __all__ = ["PennyLaneQAOA", "PennyLaneVQE", "hamiltonian"]
 
@@ -64,6 +66,8 @@ class _Shots(Engine):
         super().__init__(circuit)
         self._qml = _need("backend pennylane")
         self._device = device
+        # Braket's plugin reads observables alone: Z of each wire for the wires together.
+        self._by_wire = "braket" in name.lower()
         self.facts = {"device": name}
 
     def _apply(self, angles: Any) -> None:
@@ -84,13 +88,17 @@ class _Shots(Engine):
 
         def circuit() -> Any:
             self._apply(angles)
+            if self._by_wire:
+                return [qml.sample(qml.Z(wire)) for wire in range(self.circuit.qubits)]
             return qml.sample(wires=range(self.circuit.qubits))
 
-        try:
+        def measure() -> Any:
             node = qml.set_shots(qml.QNode(circuit, self._device, diff_method=None), shots)
-            measured = np.asarray(node())
-        except Exception as error:
-            raise failed("pennylane", "running the circuit", error) from None
+            return np.asarray(node())
+
+        measured = attempt("pennylane", "running the circuit", measure)
+        if self._by_wire:
+            measured = (1 - measured.reshape(-1, shots).T) / 2
         found: Bits = measured.reshape(shots, -1)[:, ::-1].astype(np.int8)
         return found
 
@@ -172,39 +180,45 @@ class _PennyLane(VariationalSampler):
                 mend="use adjoint or parameter-shift",
             )
         device = options.device or DEFAULT
-        if not isinstance(device, str):
+        if not isinstance(device, str) or device in REMOTE:  # these have limits of their own
             return False
-        # A remote device has its own limit; every other name is simulated here.
-        remote = device in ("braket.aws.qubit", "qiskit.remote")
-        if not remote:
-            room(qubits, f"device {device}")
-        return not remote
+        room(qubits, f"device {device}")
+        return True
 
     def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return the device, ready to run the ansatz."""
-        qml, name = _need(f"backend {self.name}"), options.device or DEFAULT
-        circuit = ansatz.circuit
-        if not isinstance(name, str):
-            return _Shots(circuit, str(getattr(name, "name", type(name).__name__)), name)
+        """Return a local device, ready to run the ansatz."""
+        name, circuit = str(options.device or DEFAULT), ansatz.circuit
         given = dict(options.device_options)
         exact = name in EXACT and options.shots is None and not given.get("shots")
         if options.seed is not None and name in (*ADJOINT, "default.qubit"):
             given.setdefault("seed", options.seed)
-        try:
-            device = qml.device(name, wires=circuit.qubits, **given)
-        except Exception as error:
-            known = error.__class__.__name__ == "DeviceError"
-            extra = next((e for start, e in EXTRAS.items() if name.startswith(start)), None)
-            if known and extra:
-                raise MissingExtraError(f"device {name}", extra) from None
-            if known:
-                raise InputError(
-                    f"{name!r} is no PennyLane device that is installed", field="device"
-                ) from None
-            raise failed("pennylane", f"making device {name}", error) from None
+        device = _made(name, circuit.qubits, given)
         if exact:
             return _Exact(circuit, name, device, own.get("diff_method"))
         return _Shots(circuit, name, device)
+
+    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+        """Return a remote device's name, or the object that it is."""
+        del qubits, own  # the device's own limits are told by the device
+        if isinstance(options.device, str):
+            _installed(options.device)
+        return admitted(options.device, options.device_options, life)
+
+    def remote_engine(
+        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
+    ) -> PluginEngine:
+        """Return the device, ready to run the ansatz; it is made for the first run."""
+        del own
+        circuit = ansatz.circuit
+        name = machine if isinstance(machine, str) else type(machine).__name__
+
+        def make(life: Life) -> Engine:
+            device = machine
+            if isinstance(machine, str):
+                device = _made(machine, circuit.qubits, limited(machine, options, life))
+            return _Shots(circuit, name, device)
+
+        return PluginEngine(circuit, name, make)
 
 
 class PennyLaneVQE(_PennyLane):
@@ -224,3 +238,36 @@ def _need(what: str) -> Any:
         return importlib.import_module("pennylane")
     except ImportError:
         raise MissingExtraError(what, "pennylane") from None
+
+
+def _installed(name: str) -> None:
+    """Refuse a device whose plugin is absent; the device itself is not made."""
+    if name not in _need("backend pennylane").plugin_devices:
+        raise _absent(name)
+
+
+def _made(name: str, qubits: int, options: dict[str, Any]) -> Any:
+    qml = _need("backend pennylane")
+    refused = False
+
+    def make() -> Any:
+        nonlocal refused
+        try:
+            return qml.device(name, wires=qubits, **options)
+        except Exception as error:
+            if type(error).__name__ != "DeviceError":
+                raise
+            refused = True
+            return None
+
+    device = attempt("pennylane", f"making device {name}", make)
+    if refused:
+        raise _absent(name)
+    return device
+
+
+def _absent(name: str) -> InputError | MissingExtraError:
+    extra = next((e for start, e in EXTRAS.items() if name.startswith(start)), None)
+    if extra:
+        return MissingExtraError(f"device {name}", extra)
+    return InputError(f"{name!r} is no PennyLane device that is installed", field="device")

@@ -11,18 +11,27 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.qiskit_runtime import (
+    Measured,
+    RuntimeEngine,
+    Transpiled,
+    backend_of,
+    check_fit,
+    is_simulated,
+    open_mode,
+)
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.engine import Engine, StateEngine, room
 from qrobot.backends.variational.ising import terms
 from qrobot.backends.variational.options import Options
-from qrobot.backends.variational.sampler import VariationalSampler, failed
-from qrobot.errors import BackendError, CredentialsError, InputError, MissingExtraError
+from qrobot.backends.variational.sampler import VariationalSampler
+from qrobot.errors import BackendError, InputError, MissingExtraError
+from qrobot.remote import Options as Life
 
 __all__ = ["QiskitQAOA", "QiskitVQE", "circuit_of", "sparse_pauli_op"]
 
 Floats = npt.NDArray[np.float64]
-Bits = npt.NDArray[np.int8]
 
 LOCAL = ("statevector", "aer")
 
@@ -95,40 +104,6 @@ class _Aer(StateEngine):
         return found
 
 
-class _Runtime(Engine):
-    """Shots by the sampler primitive of Qiskit Runtime (or Aer's), on a transpiled circuit."""
-
-    def __init__(
-        self, circuit: Circuit, backend: Any, sampler: Any, level: int, seed: int | None
-    ) -> None:
-        super().__init__(circuit)
-        from qiskit.circuit import ParameterVector
-        from qiskit.transpiler import generate_preset_pass_manager
-
-        self._sampler = sampler
-        whole = circuit_of(circuit, ParameterVector("angle", len(circuit.rotations)))
-        whole.measure_all()
-        manager = generate_preset_pass_manager(
-            optimization_level=level, backend=backend, seed_transpiler=seed
-        )
-        self._circuit = manager.run(whole)
-        # Rotations by fixed names: transpiled circuits sort their parameters by name.
-        self._at = [parameter.index for parameter in self._circuit.parameters]
-        self.facts = {"depth": self._circuit.depth(), "gates": dict(self._circuit.count_ops())}
-
-    def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
-        self.executions += 1
-        del seed  # set when the primitive was made, where it takes one
-        try:
-            job = self._sampler.run([(self._circuit, angles[self._at])], shots=shots)
-            if callable(getattr(job, "job_id", None)):
-                self.facts.setdefault("jobs", []).append(str(job.job_id()))
-            measured = job.result()[0].data.meas
-        except Exception as error:
-            raise failed("qiskit", "running the circuit", error) from None
-        return np.asarray(measured.to_bool_array(order="little"), dtype=np.int8)
-
-
 class _Qiskit(VariationalSampler):
     """Both algorithms on Qiskit.
 
@@ -149,7 +124,7 @@ class _Qiskit(VariationalSampler):
             raise InputError(f"{level!r} is no level", field="optimization_level", mend="use 0..3")
         mode = own.get("mode")
         if mode is not None:
-            _fits(_backend_of(mode), qubits)
+            check_fit(backend_of(mode), qubits)
             return False
         device = options.device or "statevector"
         if device in LOCAL:
@@ -166,40 +141,42 @@ class _Qiskit(VariationalSampler):
             mend=f"use one of {', '.join(LOCAL)}, ibm, ibm:<name>, or mode=",
         )
 
+    def runs_remotely(self, **parameters: Any) -> bool:
+        """Return whether `sample` with these parameters asks another machine."""
+        mode = parameters.get("mode")
+        if hasattr(getattr(mode, "_backend", mode), "target") and is_simulated(backend_of(mode)):
+            return False
+        return super().runs_remotely(**parameters)
+
     def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return the device, ready to run the ansatz."""
-        device, mode = options.device or "statevector", own.get("mode")
+        """Return a local device, ready to run the ansatz."""
         made: Engine
-        if mode is None and device == "statevector":
+        if (options.device or "statevector") == "statevector":
             made = _Statevector(ansatz.circuit)
-        elif mode is None and device == "aer" and options.shots is None:
+        elif options.shots is None:
             made = _Aer(ansatz.circuit, options.device_options)
         else:
-            made = self._runtime(ansatz, options, own)
-        made.facts.setdefault("device", str(device))
-        return made
-
-    def _runtime(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        level, seed, mode = own.get("optimization_level", 3), options.seed, own.get("mode")
-        if mode is None and options.device == "aer":
             aer = _need("qiskit_aer", "device aer", "qiskit")
             primitives = _need("qiskit_aer.primitives", "device aer", "qiskit")
             simulator = aer.AerSimulator(**options.device_options)
             sampler = primitives.SamplerV2(
-                seed=seed, options={"backend_options": options.device_options}
+                seed=options.seed, options={"backend_options": options.device_options}
             )
-            return _Runtime(ansatz.circuit, simulator, sampler, level, seed)
-        runtime = _need("qiskit_ibm_runtime", "IBM hardware", "ibm")
-        if mode is None:
-            mode = _hardware(runtime, str(options.device), ansatz.circuit.qubits)
-        backend = _backend_of(mode)
-        _fits(backend, ansatz.circuit.qubits)
-        sampler = _sampler_class(runtime)(mode=mode)
-        if seed is not None and getattr(backend, "service", None) is None:
-            sampler.options.simulator.seed_simulator = seed  # a fake backend: it is simulated
-        made = _Runtime(ansatz.circuit, backend, sampler, level, seed)
-        made.facts["device"] = _name_of(backend)
+            circuit = _transpiled(ansatz.circuit, simulator, options, own)
+            made = Measured(ansatz.circuit, circuit, sampler)
+        made.facts.setdefault("device", str(options.device or "statevector"))
         return made
+
+    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+        """Return the mode that jobs run in; its backend holds the model."""
+        return open_mode(options.device, own.get("mode"), qubits, life)
+
+    def remote_engine(
+        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
+    ) -> RuntimeEngine:
+        """Return the machine, ready to run the ansatz."""
+        circuit = _transpiled(ansatz.circuit, backend_of(machine), options, own)
+        return RuntimeEngine(ansatz.circuit, circuit, machine, options.seed)
 
 
 class QiskitVQE(_Qiskit):
@@ -221,49 +198,11 @@ def _need(module: str, what: str, extra: str) -> Any:
         raise MissingExtraError(what, extra) from None
 
 
-def _sampler_class(runtime: Any) -> Any:
-    """Return the sampler primitive; 0.50 deprecated SamplerV2 for one on the client's side."""
-    try:
-        return importlib.import_module("qiskit_ibm_runtime.executor_sampler").Sampler
-    except ImportError:
-        return runtime.SamplerV2
+def _transpiled(
+    circuit: Circuit, backend: Any, options: Options, own: dict[str, Any]
+) -> Transpiled:
+    from qiskit.circuit import ParameterVector
 
-
-def _hardware(runtime: Any, device: str, qubits: int) -> Any:
-    """Return a backend of the user's account."""
-    name = device.partition(":")[2]
-    try:
-        service = runtime.QiskitRuntimeService()
-    except Exception as error:  # a bogus instance raises a bare AttributeError
-        raise CredentialsError(
-            f"IBM Quantum did not accept the saved account ({type(error).__name__}); save one "
-            'with QiskitRuntimeService.save_account(channel="ibm_quantum_platform", ...)'
-        ) from None
-    try:
-        if name:
-            return service.backend(name)
-        return service.least_busy(min_num_qubits=qubits, operational=True, simulator=False)
-    except Exception as error:
-        raise failed("qiskit", f"finding device {device}", error) from None
-
-
-def _backend_of(mode: Any) -> Any:
-    """Return the backend of a mode: itself, or what a session or batch runs on."""
-    backend = getattr(mode, "_backend", mode)  # sessions give only its name in public
-    if not hasattr(backend, "target"):
-        raise InputError(f"a {type(mode).__name__} is no backend, session or batch", field="mode")
-    return backend
-
-
-def _name_of(backend: Any) -> str:
-    name = getattr(backend, "name", type(backend).__name__)
-    return str(name() if callable(name) else name)
-
-
-def _fits(backend: Any, qubits: int) -> None:
-    most = getattr(backend, "num_qubits", None)
-    if most is not None and qubits > most:
-        raise BackendError(
-            f"the model needs {qubits} qubits and device {_name_of(backend)} has {most}; "
-            "use a smaller model or a larger device"
-        )
+    whole = circuit_of(circuit, ParameterVector("angle", len(circuit.rotations)))
+    whole.measure_all()
+    return Transpiled(whole, backend, own.get("optimization_level", 3), options.seed)

@@ -10,6 +10,7 @@ import numpy as np
 from qrobot.backends.base import Capabilities
 from qrobot.errors import InputError
 from qrobot.remote import Estimate
+from qrobot.remote.cost import FREE
 
 __all__ = ["PickingSampler", "check_finite", "constant_samples"]
 
@@ -42,7 +43,7 @@ class PickingSampler(dimod.Sampler):
         """Return what a sample would cost; submits nothing that bills."""
         if self.runs_remotely(**parameters):
             return Estimate(None, None, f"backend {self.name} tells no price")
-        return Estimate(0.0, None, "it runs on this machine")
+        return FREE
 
 
 def check_finite(bqm: dimod.BinaryQuadraticModel) -> None:

@@ -10,6 +10,7 @@ import dimod
 import numpy as np
 
 from qrobot.backends.base import Capabilities
+from qrobot.backends.gates import memory
 from qrobot.backends.gates.form import Form, bits_of
 from qrobot.backends.gates.simulator import DiagonalQAOA
 from qrobot.backends.gates.tune import Tuning, tune
@@ -121,6 +122,8 @@ class StatevectorSampler(PickingSampler):
         if (gammas is None) != (betas is None):
             raise InputError("gammas and betas come together", field="betas")
         clock = [time.perf_counter()]
+        what = f"holding the state and the energies of {bqm.num_variables} qubits (at least)"
+        memory.require(12 << bqm.num_variables, what)  # before the couplings are a matrix
         form = Form.from_bqm(bqm)
         if not form.qubits:
             return constant_samples(bqm, num_reads)

@@ -20,6 +20,8 @@ COMMANDS = {
     "check": "Check a plan against its instance, without trusting any solver.",
     "backends": "List the backends: what they can do and how to install them.",
     "bench": "Compare backends on a folder of instances.",
+    "export": "Write the model of an instance as a file for other programs.",
+    "reproduce": "Reproduce the tables and figures of the paper, its seconds beside ours.",
     "jobs": "List, fetch and cancel jobs on remote machines.",
     "doctor": "Show versions, extras, credentials present, and folders.",
 }

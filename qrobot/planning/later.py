@@ -18,6 +18,7 @@ from qrobot.planning.solving import DEFAULT_DEADLINE, result_of
 from qrobot.problem import Instance
 from qrobot.problem.formats.native import parse_native
 from qrobot.remote import Estimate, JobStore, fetch
+from qrobot.remote.cost import FREE
 
 __all__ = ["collect", "estimate", "submit"]
 
@@ -37,7 +38,7 @@ def estimate(instance: Instance, backend: str, *, seed: int = 0, **options: Any)
     """
     sampler = None if backend == "auto" else get(backend)
     if sampler is None or isinstance(sampler, Planner):
-        return Estimate(0.0, None, "it runs on this machine")
+        return FREE
     chosen, sampling = split_options(sampler, options)
     if "seed" in sampler.parameters:
         sampling.setdefault("seed", seed)

@@ -21,7 +21,7 @@ from qrobot.planning.run import Run
 __all__ = ["ROUNDS", "sample_in_rounds"]
 
 ROUNDS = 8
-"""Most rounds of a local sampler; a remote one has one, because each would bill."""
+"""Most rounds of a local sampler; a remote one has one by default, because each bills."""
 
 HEAVIER, FIRMER = 2.0, 1.5
 """Growth of the capacity weight a round, and of the others."""
@@ -33,6 +33,7 @@ def sample_in_rounds(
     model: PickingModel,
     chosen: dict[str, Any],
     sampling: dict[str, Any],
+    most: int | None = None,
 ) -> tuple[PickingModel, dimod.SampleSet, int, int]:
     """Sample a model until a read is a plan, or the rounds, the time or the work are over.
 
@@ -40,6 +41,8 @@ def sample_in_rounds(
     ----------
     run, sampler, model, chosen, sampling
         As of `take_reads`. Weights that the caller chose are never changed.
+    most
+        Most rounds; ``None``: `ROUNDS` of a local sampler, 1 of a remote one.
 
     Returns
     -------
@@ -52,22 +55,33 @@ def sample_in_rounds(
     rounds
         How many there were.
     """
-    once = "penalties" in chosen or sampler.runs_remotely(**sampling)
+    remote = sampler.runs_remotely(**sampling)
+    most = (1 if remote else ROUNDS) if most is None else most
+    if "penalties" in chosen:
+        most = 1
     total = rounds = 0
     while True:
         samples = take_reads(run, sampler, model, chosen, sampling)
         rounds += 1
         total += int(samples.record.num_occurrences.sum())
         limit = run.stop.max_work
-        over = run.stop() or rounds == ROUNDS or (limit is not None and total >= limit)
-        if once or over or not len(samples):
+        over = run.stop() or rounds == most or (limit is not None and total >= limit)
+        if over or not len(samples):
             return model, samples, total, rounds
         with run.timed("decode"):
             feasible, _ = model.decode_all(samples)
         if feasible.any():
             return model, samples, total, rounds
+        if remote and "max_cost" in sampling:
+            sampling = sampling | {"max_cost": sampling["max_cost"] - _usd(samples)}
         with run.timed("build"):
             model = build_model(run.instance, **chosen, penalties=_raised(model, samples))
+
+
+def _usd(samples: dimod.SampleSet) -> float:
+    """Return what a job was estimated to cost: a limit holds for all rounds together."""
+    remote = samples.info.get("remote", {})
+    return float(remote.get("estimate", {}).get("usd") or 0.0)
 
 
 def _raised(model: PickingModel, samples: dimod.SampleSet) -> Penalties:

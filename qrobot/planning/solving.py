@@ -69,8 +69,9 @@ def solve(
     on_progress
         Called with `Progress` at every step and better plan.
     **options
-        For samplers, about the model: ``encoding``, ``slack``, ``penalties``; everything
-        else, such as ``num_reads``, goes to the sampler.
+        For samplers, about the model: ``encoding``, ``slack``, ``penalties``; ``rounds``,
+        how often a sampler is asked at most while no read is a plan (8; remote ones 1);
+        everything else, such as ``num_reads``, goes to the sampler.
 
     Returns
     -------

@@ -7,10 +7,12 @@ the process: a job is opened again by its id alone. Variable k of the model is q
 from __future__ import annotations
 
 from collections.abc import Callable
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from qrobot.errors import RemoteError
+from qrobot.remote import ibm
+from qrobot.remote.aws import session
 from qrobot.remote.job import Answer, Estimate, RemoteJob, State
 from qrobot.remote.service import Keep
 
@@ -40,6 +42,8 @@ class CircuitJobs:
         What the job is expected to cost.
     sdk
         The SDK's session or service, when it is not the default one.
+    kept
+        Plain data that another process needs to find the job, such as a region.
     """
 
     service: ClassVar[str]
@@ -53,12 +57,14 @@ class CircuitJobs:
         device: str = "",
         cost: Estimate | None = None,
         sdk: Any = None,
+        kept: dict[str, Any] | None = None,
     ) -> None:
         self.name = name
         self._start = start
         self._device = device
         self._cost = cost or Estimate(None, None, "no price is known")
         self._sdk = sdk
+        self._kept = dict(kept or {})
         self._open: dict[str, Any] = {}
 
     def estimate(self, bqm: dimod.BinaryQuadraticModel, **parameters: Any) -> Estimate:
@@ -73,7 +79,7 @@ class CircuitJobs:
         del bqm, parameters
         if self._start is None:
             raise RemoteError(f"{self.title}: there is no circuit to start")
-        keep({"service": self.service})
+        keep({"service": self.service, **self._kept})
         job = self._start(label)
         remote_id = self.id_of(job)
         self._open[remote_id] = job
@@ -98,7 +104,10 @@ class CircuitJobs:
         raise NotImplementedError
 
     def fetch(self, job: RemoteJob) -> Answer:
-        """Return one row a shot, in the sequence that they were measured in."""
+        """Return one row a shot, in the sequence that they were measured in.
+
+        What the sampler kept beside the job under ``info`` is in the samples' info.
+        """
         raise NotImplementedError
 
     def cancel(self, job: RemoteJob) -> None:
@@ -129,7 +138,29 @@ class BraketTasks(CircuitJobs):
         """Return the task of an ARN."""
         from braket.aws import AwsQuantumTask
 
-        return AwsQuantumTask(job.remote_id, aws_session=self._sdk)
+        asked = self._sdk or session(job.remote_id.split(":")[3])
+        return AwsQuantumTask(job.remote_id, aws_session=asked)
+
+    def find(self, job: RemoteJob) -> str | None:
+        """Return the ARN of a task by its tag, among those of its device since its hour."""
+        where = job.context.get("device")
+        if not where:
+            return None
+        asked = self._sdk or session(job.context.get("region"))
+        since = datetime.fromtimestamp(job.submitted, UTC) - timedelta(hours=1)
+        filters = [
+            {"name": "deviceArn", "operator": "EQUAL", "values": [where]},
+            {"name": "createdAt", "operator": "GTE", "values": [since.isoformat()]},
+        ]
+        more: dict[str, str] = {}
+        while True:
+            page = asked.braket_client.search_quantum_tasks(filters=filters, **more)
+            for task in page["quantumTasks"]:
+                if task.get("tags", {}).get("qrobot") == job.id:
+                    return str(task["quantumTaskArn"])
+            if not page.get("nextToken"):
+                return None
+            more = {"nextToken": page["nextToken"]}
 
     def poll(self, job: RemoteJob) -> tuple[State, str]:
         """Return the state of a task and why it failed."""
@@ -175,9 +206,7 @@ class RuntimeJobs(CircuitJobs):
     def runtime(self) -> Any:
         """The SDK's service, from its own files and variables."""
         if self._sdk is None:
-            from qiskit_ibm_runtime import QiskitRuntimeService
-
-            self._sdk = QiskitRuntimeService()
+            self._sdk = ibm.service()
         return self._sdk
 
     def id_of(self, job: Any) -> str:
@@ -204,10 +233,10 @@ class RuntimeJobs(CircuitJobs):
         measured = getattr(opened.result()[0].data, self.register)
         bits = np.asarray(measured.to_bool_array(order="little"), dtype=np.int8)
         metrics = opened.metrics() if callable(getattr(opened, "metrics", None)) else {}
-        stamps = metrics.get("timestamps", {})
+        stamps, usage = metrics.get("timestamps", {}), metrics.get("usage", {})
         return Answer(
             _samples(bits[:, : job.variables], job),
-            run=metrics.get("usage", {}).get("quantum_seconds"),
+            run=usage.get("qpu_charge_time_seconds", usage.get("quantum_seconds")),
             received=_instant(stamps.get("created")),
             solved=_instant(stamps.get("finished")),
         )
@@ -227,7 +256,8 @@ def _samples(bits: npt.NDArray[np.int8], job: RemoteJob) -> dimod.SampleSet:
 
     bqm = job.bqm()
     values = 2 * bits - 1 if bqm.vartype is dimod.SPIN else bits
-    return dimod.SampleSet.from_samples_bqm((values, list(bqm.variables)), bqm)
+    info = dict(job.context.get("info") or {})
+    return dimod.SampleSet.from_samples_bqm((values, list(bqm.variables)), bqm, info=info)
 
 
 def _instant(moment: Any) -> float | None:

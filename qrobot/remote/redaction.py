@@ -8,13 +8,14 @@ own files), the shapes of well-known tokens, and whatever follows a telling name
 from __future__ import annotations
 
 import base64
+import logging
 import os
 import re
 import urllib.parse
 from collections.abc import Iterator
 from typing import Any
 
-__all__ = ["MASK", "redact", "redact_data", "register_secret"]
+__all__ = ["MASK", "mask_logs", "redact", "redact_data", "register_secret"]
 
 MASK = "[redacted]"
 
@@ -120,3 +121,20 @@ def redact_data(data: Any) -> Any:
     is a credential of this process.
     """
     return _Sieve().data(data)
+
+
+class _Masking(logging.Filter):
+    """Masks the secrets of a record; it never drops one."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        record.msg, record.args = redact(record.getMessage()), ()
+        return True
+
+
+_MASKING = _Masking()
+
+
+def mask_logs(*names: str) -> None:
+    """Mask secrets in what loggers of an SDK say, such as the errors that they give up on."""
+    for name in names:
+        logging.getLogger(name).addFilter(_MASKING)  # once, however often this is called

@@ -29,7 +29,8 @@ _CREDENTIALS = {
     "ResourceAuthenticationError", "SolverAuthenticationError", "UnauthorizedSSOTokenError",
 }  # fmt: skip
 _CREDENTIAL_CODES = {
-    "AccessDeniedException", "ExpiredToken", "ExpiredTokenException", "InvalidClientTokenId",
+    "AccessDenied", "AccessDeniedException", "AuthFailure", "ExpiredToken",
+    "ExpiredTokenException", "InvalidAccessKeyId", "InvalidClientTokenId",
     "InvalidSignatureException", "MissingAuthenticationToken", "SignatureDoesNotMatch",
     "UnrecognizedClientException",
 }  # fmt: skip

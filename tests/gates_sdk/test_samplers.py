@@ -3,46 +3,65 @@
 from __future__ import annotations
 
 import json
-import unittest
 
 import dimod
-import dimod.testing
 import numpy as np
 import pytest
 from gates_sdk.pickings import table2_model
 from gates_sdk.stacks import SAMPLERS, load, random_model, samplers, small_model
 
+from qrobot.backends import capabilities, get, names
 from qrobot.backends.gates.form import Form, diagonal
+from qrobot.backends.testing import SamplerConformance
 from qrobot.backends.variational import make_ansatz, terms
 from qrobot.backends.variational.engine import PlainEngine, StateEngine
 from qrobot.errors import BackendError, InputError, MissingExtraError
+from qrobot.remote import PARAMETERS
+
+QUICK = {
+    "vqe": {"evaluations": 4, "starts": 1, "seed": 1},
+    "qaoa": {"evaluations": 4, "seed": 1},
+    "tabu": {"moves": 50, "num_restarts": 2},
+}
+"""Parameters that make a search short; everything else stays as it is by default."""
 
 
 def quick(name):
-    """Return a factory of samplers that search little: dimod's tests want energies only."""
-
-    class Quick(load(name)):
-        def sample(self, bqm, **parameters):
-            return super().sample(bqm, **({"evaluations": 2, "starts": 1, "seed": 1} | parameters))
-
-    Quick.__name__ = name
-    return Quick
+    """Return a sampler of the registry that searches little."""
+    sampler = get(name)
+    given = QUICK.get(name.rpartition("-")[2], {})
+    sample = sampler.sample
+    sampler.sample = lambda bqm, **parameters: sample(bqm, **(given | parameters))
+    return sampler
 
 
-@pytest.mark.parametrize("name", samplers())
-def test_dimods_own_sampler_tests(name):
-    factory = quick(name)
+def local_samplers():
+    """Return every local sampler of the registry, skipped where its extra is absent."""
+    for name in names():
+        try:
+            found = capabilities(name)
+        except MissingExtraError as error:
+            yield pytest.param(name, marks=pytest.mark.skip(reason=str(error)))
+            continue
+        if found.kind == "sampler" and found.local:
+            yield name
 
-    @dimod.testing.load_sampler_bqm_tests(factory)
-    class Case(unittest.TestCase):
-        pass
 
-    dimod.testing.assert_sampler_api(factory())
-    result = unittest.TestResult()
-    suite = unittest.defaultTestLoader.loadTestsFromTestCase(Case)
-    suite.run(result)
-    assert suite.countTestCases() >= 30
-    assert result.wasSuccessful(), [text for _, text in [*result.failures, *result.errors]]
+CHECKS = [check for check in dir(SamplerConformance) if check.startswith("test_")]
+
+
+@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize("name", list(local_samplers()))
+def test_the_conformance_suite(name, check):
+    """With `dimod.testing` inside: ``test_passes_the_tests_of_dimod``."""
+
+    class Suite(SamplerConformance):
+        def make(self):
+            return quick(name)
+
+    if name.endswith("vqe") and "ground_state" in check:
+        Suite.parameters = {"evaluations": 60}  # two passes over the parameters
+    getattr(Suite(), check)()
 
 
 @pytest.mark.parametrize("name", samplers())
@@ -97,10 +116,34 @@ def options_of(sampler):
 
 @pytest.mark.parametrize("name", samplers())
 def test_too_many_qubits_are_refused_before_allocating(name):
-    for qubits, amount in ((45, "PiB"), (3000, r"10\^\d+")):
+    for qubits, amount in ((45, "PiB"), (1000, r"10\^303 b"), (20_000, r"10\^6022 b")):
         bqm = dimod.BinaryQuadraticModel(dict.fromkeys(range(qubits), 1.0), {}, 0.0, "BINARY")
         with pytest.raises(BackendError, match=rf"{qubits} qubits.*{amount}"):
             load(name)().sample(bqm)
+
+
+@pytest.mark.parametrize("name", samplers())
+def test_local_devices_bill_nothing_and_take_the_limits_of_a_job(name):
+    sampler, bqm = load(name)(), small_model()
+    assert set(PARAMETERS) <= set(sampler.parameters)
+    assert not sampler.runs_remotely()
+    assert sampler.estimate(bqm, num_reads=10).usd == 0.0
+    dry = sampler.sample(bqm, dry_run=True)
+    assert len(dry) == 0
+    assert dry.info["remote"]["estimate"]["usd"] == 0.0
+    assert "local" in dry.info["remote"]["estimate"]["basis"]
+    found = sampler.sample(
+        bqm, num_reads=9, evaluations=2, starts=1, timeout=60, max_cost=0, wait=False,
+        context={"a": 1},
+    )  # fmt: skip
+    assert len(found) == 9
+    assert "remote" not in found.info
+    for wrong in (
+        {"timeout": 0}, {"timeout": "soon"}, {"max_cost": -1}, {"max_cost": float("nan")},
+        {"wait": 1}, {"dry_run": "no"}, {"context": 3},
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=next(iter(wrong))):
+            sampler.sample(bqm, **wrong)
 
 
 @pytest.mark.parametrize("name", samplers())

@@ -176,9 +176,9 @@ def test_nft_reaches_the_ground_of_a_product_state():
 
 
 def test_nft_says_where_it_cannot_work():
-    for given in ({"shots": 50}, {"ansatz": "problem"}):
+    for wrong in ({"shots": 50}, {"ansatz": "problem"}):
         with pytest.raises(InputError, match="nft needs exact probabilities"):
-            PlainSampler().sample(small_model(), optimizer="nft", **given)
+            PlainSampler().sample(small_model(), optimizer="nft", **wrong)
 
 
 def test_one_seed_gives_one_answer_and_its_parameters_resume_it():

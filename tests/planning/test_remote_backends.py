@@ -191,3 +191,20 @@ def test_the_random_control_is_what_a_count_of_all_assignments_says() -> None:
     assert report.random_best == pytest.approx(least_distance(instance)[0])
     assert report.optimal_fraction > 0.3
     assert report.feasible_fraction > 0.9
+
+
+def test_rounds_of_a_remote_backend_share_one_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The service answers with the three lowest energies: an overload, until it costs enough.
+    instance = paper_shaped(3, 2, 0)
+    with pytest.raises(qrobot.InputError, match="rounds"):
+        qrobot.solve(instance, backend=NAME, rounds=0)
+    one = qrobot.solve(instance, backend=NAME)
+    assert one.sampler.rounds == 1
+    assert one.sampler.best is None
+    assert len(jobs()) == 1
+    with pytest.raises(qrobot.BackendError, match=r"more than the limit of 0\.1 USD"):
+        qrobot.solve(instance, backend=NAME, rounds=8, max_cost=1.1)
+    assert len(jobs()) == 3  # two at half a dollar each, then no third
+    more = qrobot.solve(instance, backend=NAME, rounds=8)
+    assert more.sampler.best == pytest.approx(least_distance(instance)[0])
+    assert 1 < more.sampler.rounds <= 8

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,9 @@ __all__ = ["aligned", "available", "pair", "readable", "require"]
 
 GAP = 5 << 14
 """Bytes between the two arrays of `pair`."""
+
+LARGEST = 1 << 200
+"""Bytes; nobody wants to read more than a power of ten of what is larger."""
 
 GROUPS = (
     ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
@@ -58,16 +62,23 @@ def require(needed: int, what: str, mend: str = "use a smaller model") -> None:
     room = available()
     if needed > room:
         raise BackendError(
-            f"{what} needs {needed:,} bytes ({readable(needed)}) and {room:,} bytes "
-            f"({readable(room)}) are available; {mend}"
+            f"{what} needs {_counted(needed)} and {_counted(room)} are available; {mend}"
         )
 
 
+def _counted(count: int) -> str:
+    """Return bytes in full and as people read them; beyond `LARGEST` as a power of ten."""
+    text = readable(count)
+    return text if count >= LARGEST else f"{count:,} bytes ({text})"
+
+
 def readable(count: int) -> str:
-    """Return a number of bytes as people read it: ``1.5 GiB``."""
+    """Return a number of bytes as people read it: ``1.5 GiB``, or ``10^300 bytes``."""
     size, units = count, ["bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"]
     if size < 1024:
         return f"{size} bytes"
+    if size >= LARGEST:  # too large for a float, or for Python to write down
+        return f"10^{int(math.log10(size))} bytes"
     scale = min((size.bit_length() - 1) // 10, len(units) - 1)
     # Whole numbers first: 2**n of many qubits overflows a float.
     return f"{size * 10 // 1024**scale / 10:,.1f} {units[scale]}"

@@ -5,6 +5,7 @@ from qrobot.backends.variational.circuit import Circuit, Gate
 from qrobot.backends.variational.engine import Engine, StateEngine
 from qrobot.backends.variational.ising import Term, terms
 from qrobot.backends.variational.options import Options
+from qrobot.backends.variational.remote import JobEngine, RemoteEngine
 from qrobot.backends.variational.sampler import VariationalSampler
 
 __all__ = [
@@ -12,7 +13,9 @@ __all__ = [
     "Circuit",
     "Engine",
     "Gate",
+    "JobEngine",
     "Options",
+    "RemoteEngine",
     "StateEngine",
     "Term",
     "VariationalSampler",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +13,11 @@ from qrobot.backends.gates import memory
 from qrobot.backends.gates.form import bits_of
 from qrobot.backends.variational import plain
 from qrobot.backends.variational.circuit import Circuit
-from qrobot.errors import BackendError
+from qrobot.errors import BackendError, QRobotError
 
-__all__ = ["Engine", "PlainEngine", "StateEngine", "room"]
+__all__ = ["Engine", "PlainEngine", "StateEngine", "attempt", "room"]
+
+T = TypeVar("T")
 
 Floats = npt.NDArray[np.float64]
 Bits = npt.NDArray[np.int8]
@@ -33,10 +35,33 @@ def room(qubits: int, where: str, mend: str = "use a smaller model or a remote d
         With the number of qubits and the memory that they need.
     """
     what = f"a state of {qubits} qubits on {where}"
-    if qubits > 60:  # a number that nobody wants to read
-        digits = int(qubits * math.log10(2) + math.log10(BYTES))
-        raise BackendError(f"{what} needs 10^{digits} bytes; {mend}")
     memory.require(BYTES << qubits, what, mend)
+
+
+def attempt(name: str, doing: str, call: Callable[[], T]) -> T:
+    """Call an SDK; refuse with the kind of its error, never with its text or a chain to it.
+
+    Texts of SDKs may quote a token or a signed address.
+
+    Parameters
+    ----------
+    name, doing
+        Of the backend, and what it does, for the message.
+    call
+        The call.
+
+    Raises
+    ------
+    BackendError
+        When the call fails; errors of ours pass.
+    """
+    try:
+        return call()
+    except QRobotError:
+        raise
+    except Exception as error:
+        kind = type(error).__name__
+    raise BackendError(f"backend {name}: {doing} failed ({kind})")
 
 
 class Engine(ABC):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -13,7 +13,7 @@ from qrobot.backends.variational.ansatz import ANSATZES
 from qrobot.backends.variational.optimisers import OPTIMISERS
 from qrobot.errors import InputError
 
-__all__ = ["Options"]
+__all__ = ["Options", "check_limits"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Options:
         One of `OPTIMISERS`, or ``auto``.
     evaluations
         Most evaluations of the objective in each search for parameters; ``None``: 40 by
-        gradients, else 120. 0 searches nothing.
+        gradients, four passes over all parameters by ``nft``, else 120. 0 searches nothing.
     starts
         Searches from different first parameters, of which the one with the least objective
         is kept. ``None``: 6 for VQE, 1 for QAOA (whose first angles are known) and when
@@ -138,6 +138,30 @@ class Options:
                 mend='use info["parameters"] of a run with the same ansatz, layers and model',
             )
         return given
+
+
+def check_limits(parameters: Mapping[str, Any]) -> None:
+    """Check the limits of a remote job's life (`qrobot.remote.Options`) before any work.
+
+    Raises
+    ------
+    InputError
+        When one is of no use.
+    """
+    for name, least in (("timeout", "above 0 seconds"), ("max_cost", "0 or more dollars")):
+        value = parameters.get(name)
+        if value is None:
+            continue
+        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+        if not number or not (value > 0 or (name == "max_cost" and value == 0)):
+            raise InputError(f"{value!r} is not {least}", field=name, mend="correct it")
+    for name in ("dry_run", "wait"):
+        if not isinstance(parameters.get(name, False), bool | None):
+            raise InputError(
+                f"{parameters[name]!r} is neither true nor false", field=name, mend="correct it"
+            )
+    if not isinstance(parameters.get("context"), dict | None):
+        raise InputError("is no plain data by name", field="context", mend="give a dictionary")
 
 
 def _whole(name: str, value: Any, least: int) -> None:

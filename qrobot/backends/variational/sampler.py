@@ -8,25 +8,25 @@ from typing import Any, ClassVar
 
 import dimod
 import numpy as np
-import numpy.typing as npt
 
 from qrobot.backends.base import Capabilities
-from qrobot.backends.gates.form import Form, diagonal
+from qrobot.backends.gates import memory
+from qrobot.backends.gates.form import Form
 from qrobot.backends.sampler import PickingSampler, check_finite, constant_samples
 from qrobot.backends.variational.ansatz import Ansatz, make_ansatz
 from qrobot.backends.variational.engine import Engine, PlainEngine, StateEngine, room
+from qrobot.backends.variational.facts import facts_of, ground, lengths
 from qrobot.backends.variational.ising import terms
-from qrobot.backends.variational.objective import ExactObjective, Objective, ShotObjective
-from qrobot.backends.variational.optimisers import GRADIENT, Found, minimise
-from qrobot.backends.variational.options import Options
-from qrobot.errors import BackendError, InputError
+from qrobot.backends.variational.options import Options, check_limits
+from qrobot.backends.variational.remote import RemoteEngine
+from qrobot.backends.variational.search import Search
+from qrobot.errors import InputError, QRobotError, RemoteError
+from qrobot.remote import PARAMETERS, Estimate, check_budget
+from qrobot.remote import Options as Life
+from qrobot.remote.cost import FREE, together
+from qrobot.remote.samples import empty
 
-__all__ = ["VariationalSampler", "failed"]
-
-Floats = npt.NDArray[np.float64]
-
-SHOTS = 1000
-"""Of an evaluation on a device that has no exact probabilities."""
+__all__ = ["VariationalSampler"]
 
 
 class VariationalSampler(PickingSampler):
@@ -39,6 +39,11 @@ class VariationalSampler(PickingSampler):
     ``alpha``, ``optimizer``, ``device``, ``trained``, ``qubits``, ``seed``, ``timing`` in
     seconds and, where probabilities are exact, ``ground_energy``, ``ground_probability`` and
     the control ``ground_probability_uniform``.
+
+    On a machine that is reached over a network each run is a job (`qrobot.remote.run_job`):
+    ``info["remote"]`` tells of the one with the reads, ``info["search"]`` of those of a search
+    with ``train="device"``. Local devices bill nothing, and the limits of a job's life do
+    nothing there.
     """
 
     sdk: ClassVar[str]
@@ -57,7 +62,7 @@ class VariationalSampler(PickingSampler):
     @property
     def parameters(self) -> dict[str, list[str]]:
         """Names of what `sample` takes, as dimod wants them."""
-        names = [*Options.names(), *self.own]
+        names = [*Options.names(), *self.own, *PARAMETERS]
         if self.algorithm == "qaoa":
             names.remove("ansatz")
         return {name: [] for name in names}
@@ -81,18 +86,81 @@ class VariationalSampler(PickingSampler):
 
     @abstractmethod
     def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return the device, ready to run the ansatz."""
+        """Return a local device, ready to run the ansatz."""
+
+    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+        """Return a remote device that can hold so many qubits; nothing is billed.
+
+        For SDKs whose `check` ever says that a device is remote.
+
+        Raises
+        ------
+        CredentialsError, RemoteError
+            When the service cannot be reached.
+        BackendError
+            When the model does not fit, or the device takes no jobs.
+        """
+        raise NotImplementedError
+
+    def remote_engine(
+        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
+    ) -> RemoteEngine:
+        """Return a device of `connect`, ready to run the ansatz."""
+        raise NotImplementedError
 
     def sample(self, bqm: Any, **parameters: Any) -> dimod.SampleSet:
-        """Sample a binary quadratic model; parameters as of `Options`.
+        """Sample a binary quadratic model.
+
+        Parameters
+        ----------
+        bqm
+            Any binary quadratic model.
+        **parameters
+            As of `Options`; those of a remote job's life are in `qrobot.remote.Options`.
 
         Raises
         ------
         InputError
             When an option is unknown or out of range, or the model holds NaN.
         BackendError
-            When the model does not fit, or the device fails.
+            When the model does not fit, would cost too much, or the device fails.
         """
+        options, own, life = self._asked(parameters)
+        check_finite(bqm)
+        if not self.check(bqm.num_variables, options, own) and bqm.num_variables:
+            return self._sample_remotely(bqm, options, own, life)
+        check_budget(FREE, life.max_cost)
+        if life.dry_run:
+            return _estimated(bqm, FREE)
+        if not bqm.num_variables:
+            return constant_samples(bqm, int(options.num_reads))
+        return self._sample_here(bqm, options, own)
+
+    def runs_remotely(self, **parameters: Any) -> bool:
+        """Return whether `sample` with these parameters asks another machine."""
+        try:
+            options, own, _ = self._asked(dict(parameters))
+            return not self.check(1, options, own)
+        except QRobotError:
+            return True  # `sample` says why; until then an SDK's error may hold a secret
+
+    def estimate(self, bqm: dimod.BinaryQuadraticModel, **parameters: Any) -> Estimate:
+        """Return what `sample` with these parameters would cost; submits nothing.
+
+        Raises
+        ------
+        InputError, BackendError
+            As `sample`, which refuses the same.
+        """
+        options, own, life = self._asked(parameters)
+        check_finite(bqm)
+        if self.check(bqm.num_variables, options, own) or not bqm.num_variables:
+            return FREE
+        _, _, estimate = self._prepared(bqm, options, own, life)
+        return estimate
+
+    def _asked(self, parameters: dict[str, Any]) -> tuple[Options, dict[str, Any], Life]:
+        """Return the options of the search, of the SDK and of a remote job."""
         unknown = sorted(set(parameters) - set(self.parameters))
         if unknown:
             raise InputError(
@@ -101,145 +169,114 @@ class VariationalSampler(PickingSampler):
                 mend=f"it takes {', '.join(sorted(self.parameters))}",
             )
         own = {name: parameters.pop(name) for name in self.own if name in parameters}
+        check_limits(parameters)
+        life = Life.take_from(parameters)
         if self.algorithm == "qaoa":
             parameters["ansatz"] = "qaoa"
-        options = Options(**parameters)
-        check_finite(bqm)
-        qubits = bqm.num_variables
-        local = self.check(qubits, options, own)
-        if not qubits:
-            return constant_samples(bqm, int(options.num_reads))
-        return self._run(bqm, options, own, local)
+        return Options(**parameters, interrupt_function=life.interrupt_function), own, life
 
-    def _run(self, bqm: Any, options: Options, own: dict[str, Any], local: bool) -> dimod.SampleSet:
-        began = time.perf_counter()
+    def _search(self, bqm: Any, options: Options) -> tuple[Search, int]:
         seed = _fresh() if options.seed is None else int(options.seed)
-        streams = np.random.SeedSequence(seed).spawn(4)
         form = Form.from_bqm(bqm)
         ansatz = make_ansatz(options.ansatz, form, terms(bqm), options.layers)
-        starts = self._starts(options, ansatz, np.random.default_rng(streams[0]))
-        engine = self.engine(ansatz, options, own)
-        here = options.train == "device" or (local and options.train == "auto")
-        trainer = engine if here or options.evaluations == 0 else _trainer(ansatz)
-        energies: Floats | None = None
-        if isinstance(trainer, StateEngine) and options.shots is None:
-            energies = diagonal(form)
-        built = time.perf_counter()
-        rng = np.random.default_rng(streams[1])
-        alpha = options.share(form.qubits)
-        objective: Objective
-        if energies is not None and isinstance(trainer, StateEngine):
-            objective = ExactObjective(trainer, energies, alpha)
-        else:
-            shots = options.shots or SHOTS
-            objective = ShotObjective(trainer, form, alpha, shots, rng)
-        optimizer = self._optimizer(options, trainer)
-        budget = options.evaluations
-        if budget is None:
-            budget = 40 if optimizer in GRADIENT else 120
-        found = Found(starts[0])
-        for start, stream in zip(starts, streams[2].spawn(len(starts)), strict=True):
-            found.join(
-                minimise(
-                    optimizer,
-                    objective.value,
-                    objective.slope,
-                    start,
-                    budget=budget,
-                    rng=np.random.default_rng(stream),
-                    interrupted=options.interrupt_function or (lambda: False),
-                )
-            )
-        trained = time.perf_counter()
-        angles = ansatz.circuit.angles(found.parameters)
-        draw = int(streams[3].generate_state(1)[0] >> 1)
-        bits = engine.samples(angles, options.num_reads, draw)
-        sampled = time.perf_counter()
-        info = self._info(options, ansatz, engine, trainer, found, optimizer) | {
-            "seed": seed,
-            "timing": {
-                "build": built - began,
-                "optimise": trained - built,
-                "sample": sampled - trained,
-            },
-        }
-        if isinstance(engine, StateEngine) and energies is not None:
-            info |= _ground(engine.probabilities(angles), energies)
+        return Search(self.algorithm, options, form, ansatz, seed), seed
+
+    def _sample_here(self, bqm: Any, options: Options, own: dict[str, Any]) -> dimod.SampleSet:
+        clock = [time.perf_counter()]
+        search, seed = self._search(bqm, options)
+        engine = self.engine(search.ansatz, options, own)
+        here = options.train != "local" or options.evaluations == 0
+        trainer = engine if here else _trainer(search.ansatz)
+        clock.append(time.perf_counter())
+        found = search.run(trainer)
+        clock.append(time.perf_counter())
+        angles = search.ansatz.circuit.angles(found.parameters)
+        reads = int(options.num_reads)
+        if _interrupted(options):  # a part of them is quick, and better than nothing
+            reads = -(-reads // 4)
+        bits = engine.samples(angles, reads, search.draw)
+        clock.append(time.perf_counter())
+        info = facts_of(search, seed, engine, trainer, found)
+        info["timing"] = lengths(("build", "optimise", "sample"), clock)
+        if isinstance(engine, StateEngine) and search.energies is not None:
+            info |= ground(engine.probabilities(angles), search.energies)
         values = bits if bqm.vartype is dimod.BINARY else 2 * bits - 1
         return dimod.SampleSet.from_samples_bqm(
-            (values.astype(np.int8), list(form.variables)), bqm, info=info
+            (values.astype(np.int8), list(search.form.variables)), bqm, info=info
         )
 
-    def _starts(self, options: Options, ansatz: Ansatz, rng: np.random.Generator) -> list[Floats]:
-        """Return first parameters: the given ones, or one's own for each start."""
-        given = options.first(ansatz.circuit.size)
-        count = options.starts or (1 if given is not None or self.algorithm == "qaoa" else 6)
-        if given is None:
-            return [ansatz.start(rng) for _ in range(count)]
-        return [given, *(given + rng.normal(0.0, 0.1, given.size) for _ in range(count - 1))]
+    def _prepared(
+        self, bqm: Any, options: Options, own: dict[str, Any], life: Life
+    ) -> tuple[tuple[Search, int], RemoteEngine, Estimate]:
+        """Return the search, the machine and what both together would cost at most."""
+        qubits, trains = bqm.num_variables, options.evaluations != 0
+        if trains and options.train != "device":
+            _room_to_train(qubits)
+        machine = self.connect(qubits, options, own, life)
+        memory.require(32 * qubits**2, f"the couplings of {qubits} qubits")
+        search, seed = self._search(bqm, options)
+        engine = self.remote_engine(machine, search.ansatz, options, own)
+        engine.begin(self.name, bqm, life)
+        estimate = engine.cost(int(options.num_reads))
+        if trains and options.train == "device":
+            runs = search.measured()
+            parts = {"search": engine.cost(search.shots, runs), "reads": estimate}
+            estimate = together(parts)
+        return (search, seed), engine, estimate
 
-    def _optimizer(self, options: Options, engine: Engine) -> str:
-        if options.optimizer != "auto":
-            return options.optimizer
-        if self.algorithm == "qaoa":
-            return "cobyla"
-        return "adam" if engine.gradients and options.shots is None else "spsa"
+    def _sample_remotely(
+        self, bqm: Any, options: Options, own: dict[str, Any], life: Life
+    ) -> dimod.SampleSet:
+        clock = [time.perf_counter()]
+        (search, seed), engine, estimate = self._prepared(bqm, options, own, life)
+        if life.dry_run:
+            return _estimated(bqm, estimate)
+        check_budget(estimate, life.max_cost)
+        here = options.train == "device" or options.evaluations == 0
+        trainer = engine if here else _trainer(search.ansatz)
+        clock.append(time.perf_counter())
+        found = search.run(trainer)
+        clock.append(time.perf_counter())
+        if _interrupted(options):
+            raise RemoteError(
+                f"backend {self.name}: interrupted before the reads were handed to {engine.title}"
+            )
+        info = facts_of(search, seed, engine, trainer, found)
+        info["executions"] += 1  # the reads, told before they run: other processes read it too
+        info["timing"] = lengths(("build", "optimise"), clock)
+        if engine.trainings:
+            info["search"] = {
+                "jobs": engine.trainings,
+                "timing": engine.training,
+                "estimate": estimate.to_dict(),
+            }
+        angles = search.ansatz.circuit.angles(found.parameters)
+        samples = engine.reads(angles, int(options.num_reads), info)
+        if not len(samples):  # not waited for: the parameters are known all the same
+            samples.info.update(info)
+        return samples
 
-    def _info(
-        self,
-        options: Options,
-        ansatz: Ansatz,
-        engine: Engine,
-        trainer: Engine,
-        found: Found,
-        optimizer: str,
-    ) -> dict[str, Any]:
-        return {
-            "algorithm": self.algorithm,
-            "ansatz": ansatz.name,
-            "layers": options.layers,
-            "alpha": options.share(ansatz.circuit.qubits),
-            "optimizer": optimizer,
-            "qubits": ansatz.circuit.qubits,
-            "parameters": [float(value) for value in found.parameters],
-            "objective": found.value if found.history else None,
-            "history": found.history,
-            "evaluations": len(found.history),
-            "searches": found.searches,
-            "executions": engine.executions + (trainer.executions if trainer is not engine else 0),
-            "trained": "device" if trainer is engine else "local",
-            **engine.facts,
-        }
+
+def _estimated(bqm: Any, estimate: Estimate) -> dimod.SampleSet:
+    return empty(bqm, {"dry_run": True, "estimate": estimate.to_dict()})
 
 
-def _trainer(ansatz: Ansatz) -> Engine:
+def _interrupted(options: Options) -> bool:
+    return options.interrupt_function is not None and options.interrupt_function()
+
+
+def _room_to_train(qubits: int) -> None:
     room(
-        ansatz.circuit.qubits,
+        qubits,
         "this machine, where parameters are searched",
         "use train='device', or evaluations=0 with initial_parameters",
     )
+
+
+def _trainer(ansatz: Ansatz) -> Engine:
+    _room_to_train(ansatz.circuit.qubits)
     return PlainEngine(ansatz.circuit)
-
-
-def _ground(probabilities: Floats, energies: Floats) -> dict[str, float]:
-    """Return what the state says about the least energy, and what a uniform one would."""
-    least = float(energies.min())
-    spread = float(energies.max()) - least
-    ground = energies <= least + 1e-9 * max(spread, abs(least), 1e-300)
-    return {
-        "ground_energy": least,
-        "ground_probability": float(probabilities[ground].sum() / probabilities.sum()),
-        "ground_probability_uniform": float(ground.mean()),
-    }
 
 
 def _fresh() -> int:
     return int(np.random.SeedSequence().generate_state(1)[0])
-
-
-def failed(name: str, doing: str, error: BaseException) -> BackendError:
-    """Return a refusal that names the kind of an SDK's error, never its text.
-
-    Texts of remote SDKs may quote a token or a signed address.
-    """
-    return BackendError(f"backend {name}: {doing} failed ({type(error).__name__})")

@@ -1,0 +1,106 @@
+"""K = 2 and 3: which backends give a plan by themselves, without repair?
+
+    python benchmarks/feasible_reads.py --seeds 10
+
+Instances in the paper's shape (tests/oracles.py), n = 2 to 5, each with a plan. A cell says in how
+many instances at least one raw read is a plan, in how many one is optimal, and the mean share of
+reads that are plans, all from `SamplerReport`: decoded before repair and polish. Local samplers
+are asked again with raised weights while no read is a plan, at most 8 times. ``dwave-qpu`` is the
+backend with simulated annealing (5000 sweeps) on an embedded Pegasus graph in place of the QPU, and
+allowed 8 jobs too (its default is one, because each bills).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="qrobot-bench-")
+
+from oracles import least_distance, paper_shaped
+
+import qrobot
+from qrobot.backends import registry
+from qrobot.backends.dwave_qpu import DWaveQPUSampler
+
+BACKENDS = ("neal", "tabu", "descent", "dwave-qpu", "qaoa-swap", "qaoa-grover")
+
+
+class StandIn(DWaveQPUSampler):
+    """The QPU backend with an annealer of this machine behind the embedding."""
+
+    def __init__(self) -> None:
+        from dwave.samplers import SimulatedAnnealingSampler
+        from dwave.system.testing import MockDWaveSampler
+
+        child = MockDWaveSampler(
+            topology_type="pegasus",
+            topology_shape=[8],
+            substitute_sampler=SimulatedAnnealingSampler(),
+            substitute_kwargs={"num_sweeps": 5000, "seed": 1},
+        )
+        super().__init__(child)
+
+
+def cell(backend: str, items: int, robots: int, seeds: int) -> dict[str, object]:
+    """Return what a backend gives on all instances of a size."""
+    more = {"rounds": 8} if backend == "dwave-qpu" else {}
+    tried = some = best = 0
+    share = 0.0
+    for seed in range(seeds):
+        instance = paper_shaped(items, robots, 1000 + seed)
+        known = least_distance(instance)
+        if known is None:
+            continue
+        tried += 1
+        try:
+            result = qrobot.solve(instance, backend=backend, deadline=120, seed=seed, **more)
+        except qrobot.BackendError as error:
+            print(f"{backend} K={robots} n={items} seed {seed}: {error}", file=sys.stderr)
+            continue
+        report = result.sampler
+        assert report is not None
+        share += report.feasible_fraction
+        if report.best is not None:
+            some += 1
+            best += report.best <= known[0] * (1 + 1e-9)
+    return {
+        "backend": backend, "robots": robots, "items": items, "instances": tried,
+        "with_plan": some, "with_optimum": best, "feasible": share / max(tried, 1),
+    }  # fmt: skip
+
+
+def main() -> None:
+    """Print a table and, if asked, write the rows."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--backends", default=",".join(BACKENDS))
+    parser.add_argument("--json", type=Path)
+    chosen = parser.parse_args()
+    registry.BUILTIN["dwave-qpu"] = ("feasible_reads", "StandIn", "dwave.system")
+    sys.modules.setdefault("feasible_reads", sys.modules[__name__])
+    rows = []
+    print("| backend | K | n | instances | a read is a plan | a read is optimal | feasible reads |")
+    print("|---|---|---|---|---|---|---|")
+    for backend in chosen.backends.split(","):
+        for robots in (2, 3):
+            for items in (2, 3, 4, 5):
+                rows.append(cell(backend, items, robots, chosen.seeds))
+                r = rows[-1]
+                print(
+                    f"| {backend} | {robots} | {items} | {r['instances']} | {r['with_plan']} | "
+                    f"{r['with_optimum']} | {r['feasible']:.3f} |",
+                    flush=True,
+                )
+    if chosen.json:
+        chosen.json.parent.mkdir(parents=True, exist_ok=True)
+        chosen.json.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

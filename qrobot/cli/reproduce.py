@@ -1,0 +1,91 @@
+"""``qrobot reproduce``: the paper's tables and figures, its seconds beside ours."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from qrobot.report.reproduce.outcome import Line
+
+__all__ = ["command"]
+
+TARGETS = ["table1", "table2", "table3", "figure4", "figure7", "all"]
+
+
+@click.command("reproduce")
+@click.argument("targets", nargs=-1, required=True, type=click.Choice(TARGETS))
+@click.option("--output", "-o", default="build/reproduce", show_default=True, help="A folder.")
+@click.option("--rows", help="Numbers of items, such as 2-5 or 2,4,10-12.")
+@click.option("--largest", type=int, help="At most so many items.")
+@click.option("--quick", is_flag=True, help="At most 4 items, no SDK: under a minute.")
+@click.option("--large", is_flag=True, help="Simulate 26 qubits too (needs 1.5 GiB).")
+@click.option("--reads", type=int, default=1000, show_default=True, help="Shots, everywhere.")
+@click.option("--seed", type=int, default=7, show_default=True, help="Of our places and of chance.")
+@click.option("--resume", is_flag=True, help="Keep what an earlier run in the folder finished.")
+@click.option("--docs", type=click.Path(), help="Also put the tables into a page's markers.")
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+def command(
+    targets: tuple[str, ...],
+    output: str,
+    rows: str | None,
+    largest: int | None,
+    quick: bool,
+    large: bool,
+    reads: int,
+    seed: int,
+    resume: bool,
+    docs: str | None,
+    as_json: bool,
+) -> None:
+    """Reproduce tables 1 to 3 and figures 4 and 7 of the qRobot paper (2021).
+
+    The same n, K, M and qubits; the paper's seconds beside ours; every method as it reads by
+    itself, beside random guesses at equal shots. The paper gives no coordinates: places are
+    ours, drawn with the seed. Writes CSV, Markdown, plots and reproduce.json, row by row.
+
+    \b
+    Examples:
+      qrobot reproduce all --quick
+      qrobot reproduce table2 --rows 2-5 --output build/reproduce
+      qrobot reproduce figure4 figure7
+      qrobot reproduce all --large --resume --docs docs/reproduction.md
+
+    Exit codes: 0 done, 2 bad input, 3 a backend failed, 130 interrupted (what is done is kept).
+    """
+    # Rows are measured on one thread. OpenBLAS reads this when numpy is imported, just below;
+    # with more it spins, ten times slower beside other work.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from qrobot.cli.signals import terminate_as_interrupt
+    from qrobot.report.reproduce import Settings, reproduce
+    from qrobot.report.reproduce.docs import check_page, fill_page
+    from qrobot.report.reproduce.told import figure_text, line_text, summary
+
+    def tell(line: Line) -> None:
+        click.echo(line_text(line), err=True)
+
+    def show(figure: dict[str, Any]) -> None:
+        click.echo(figure_text(figure), err=True)
+
+    if docs:
+        check_page(docs)
+    with terminate_as_interrupt():
+        report = reproduce(
+            [name for name in TARGETS[:-1] if name in targets or "all" in targets],
+            output,
+            Settings(reads, seed, rows, largest, large, quick),
+            resume=resume,
+            on_line=tell,
+            on_figure=show,
+        )
+    if docs and not report["interrupted"]:
+        fill_page(docs, output)
+    click.echo(json.dumps(report, indent=1) if as_json else summary(report, output))
+    if report["interrupted"]:
+        click.echo(f"interrupted: {len(report['lines'])} lines are kept in {output}", err=True)
+        sys.exit(130)
+    sys.exit(3 if any(line["status"] == "failed" for line in report["lines"]) else 0)
