@@ -154,7 +154,7 @@ assert abs(energy - exact.cost) < 1e-6
 # %%
 from qrobot.backends import get
 
-found = get("qiskit-vqe").sample(model.bqm, device="aer", num_reads=1000, starts=3, seed=0)
+found = get("qiskit-vqe").sample(model.bqm, num_reads=1000, starts=3, seed=0)
 info = found.info
 print(info["ansatz"], "ansatz,", len(info["parameters"]), "angles,", info["evaluations"], "runs")
 chance = info["ground_probability_uniform"]
@@ -196,7 +196,6 @@ result = qrobot.solve(
     instance,
     backend="qiskit-vqe",
     encoding="compact",
-    device="aer",
     initial_parameters=info["parameters"],  # resumed:
     evaluations=0,  # nothing is left to search
     deadline=60,

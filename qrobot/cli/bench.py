@@ -98,8 +98,8 @@ def command(
             err=True,
         )
 
-    with terminate_as_interrupt():
-        report = run_bench(todo, save=json_path, on_row=tell)
+    with terminate_as_interrupt() as interrupted:
+        report = run_bench(todo, save=json_path, on_row=tell, interrupted=interrupted)
     if csv_path:
         bench_csv(report, csv_path)
     text = bench_markdown(report, folder)

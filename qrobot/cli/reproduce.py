@@ -63,7 +63,7 @@ def command(
     from qrobot.cli.signals import terminate_as_interrupt
     from qrobot.report.reproduce import Settings, reproduce
     from qrobot.report.reproduce.docs import check_page, fill_page
-    from qrobot.report.reproduce.told import figure_text, line_text, summary
+    from qrobot.report.reproduce.told import figure_text, line_text, place_text, summary
 
     def tell(line: Line) -> None:
         click.echo(line_text(line), err=True)
@@ -73,13 +73,19 @@ def command(
 
     if docs:
         check_page(docs)
-    with terminate_as_interrupt():
+
+    def begin(line: Line) -> None:
+        click.echo(f"{place_text(line)} ...", err=True)
+
+    with terminate_as_interrupt() as interrupted:
         report = reproduce(
             [name for name in TARGETS[:-1] if name in targets or "all" in targets],
             output,
             Settings(reads, seed, rows, largest, large, quick),
             resume=resume,
+            on_start=begin,
             on_line=tell,
+            interrupted=interrupted,
             on_figure=show,
         )
     if docs and not report["interrupted"]:

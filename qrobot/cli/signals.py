@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -32,16 +32,23 @@ def stop_on_signals() -> Iterator[Stop]:
 
 
 @contextmanager
-def terminate_as_interrupt() -> Iterator[None]:
-    """Let a polite kill raise `KeyboardInterrupt`, and Ctrl-C where it was ignored too."""
+def terminate_as_interrupt() -> Iterator[Callable[[], bool]]:
+    """Let a polite kill raise `KeyboardInterrupt`, and Ctrl-C where it was ignored too.
+
+    Gives a function that says whether a signal came: Python swallows what is raised inside a
+    weak reference's callback, so loops ask it between their rounds.
+    """
+    came = False
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
         raise KeyboardInterrupt
 
     # A shell's background jobs start with Ctrl-C ignored; `kill -INT` must still reach them.
     usual = {n: signal.signal(n, interrupt) for n in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield
+        yield lambda: came
     finally:
         for number, handler in usual.items():
             signal.signal(number, handler)

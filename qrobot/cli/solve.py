@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import Any
 
 import click
@@ -86,10 +87,12 @@ def command(
       qrobot solve examples/orders.csv --layout examples/layout.json
       qrobot solve examples/paper-7-items.json --backend neal --control
       qrobot solve X-n101-k25.vrp --robots free --deadline 30
-      qrobot solve examples/paper-4-items-m45.json --robots 1 -b qiskit-vqe -O device=aer
+      qrobot solve examples/paper-4-items-m45.json --robots 1 -b qiskit-vqe -O layers=1
       qrobot solve examples/paper-7-items.json -b dwave-qpu --dry-run
       qrobot solve examples/paper-7-items.json -b dwave-qpu --max-cost 0.50 --fallback auto
     """
+    # OpenBLAS reads this when numpy is imported; with more threads it spins on small matrices.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from qrobot.backends.registry import require
 
     if fallback is None:

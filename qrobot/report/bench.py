@@ -196,6 +196,7 @@ def run_bench(
     *,
     save: str | os.PathLike[str] | None = None,
     on_row: Callable[[int, BenchRow], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
 ) -> dict[str, Any]:
     """Run all tasks, one after the other, and return the report.
 
@@ -210,6 +211,8 @@ def run_bench(
         interrupted comparison keeps what it has.
     on_row
         Told the number of rows and the latest one.
+    interrupted
+        Asked after each row; True ends the comparison as Ctrl-C does.
     """
     report: dict[str, Any] = {
         "schema": BENCH_SCHEMA,
@@ -226,6 +229,8 @@ def run_bench(
                 write_text_atomic(save, json.dumps(report, indent=1) + "\n")
             if on_row is not None:
                 on_row(len(report["rows"]), row)
+            if interrupted is not None and interrupted():
+                raise KeyboardInterrupt
     except KeyboardInterrupt:
         report["interrupted"] = True
         if save is not None:

@@ -14,7 +14,10 @@ from qrobot._version import __version__
 
 __all__ = ["machine"]
 
-PACKAGES = ("numpy", "dimod", "dwave-samplers", "pyvrp", "ortools")
+PACKAGES = (
+    "numpy", "dimod", "dwave-samplers", "pyvrp", "ortools", "numba", "qiskit", "qiskit-aer",
+    "pennylane", "pennylane-lightning", "amazon-braket-sdk", "dwave-system",
+)  # fmt: skip
 
 
 def machine() -> dict[str, Any]:

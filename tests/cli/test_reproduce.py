@@ -55,7 +55,11 @@ def test_json_is_all_that_is_printed(tmp_path: Path) -> None:
     report = json.loads(done.stdout)
     assert report == json.loads((tmp_path / "reproduce.json").read_text())
     assert report["schema"] == "qrobot.reproduce/1"
-    assert len(done.stderr.splitlines()) == len(report["lines"]) == 7  # a line of progress each
+    lines = done.stderr.splitlines()
+    ended = [line for line in lines if not line.endswith(" ...")]
+    assert len(ended) == len(report["lines"]) == 7  # a line of progress each
+    begun = [line for line in lines if line.endswith(" ...")]
+    assert len(begun) == sum(line["status"] == "done" for line in report["lines"])
     assert "2, 10 qubits, neal" in done.stderr
 
 
@@ -110,7 +114,8 @@ def test_an_interrupted_run_says_130_and_keeps_its_rows(tmp_path: Path) -> None:
         env=os.environ | {"PYTHONPATH": str(ROOT)},
     )
     assert process.stderr is not None
-    assert "n = 4, 24 qubits, neal" in process.stderr.readline()
+    assert "n = 4, 24 qubits, neal ..." in process.stderr.readline()
+    assert "n = 4, 24 qubits, neal: " in process.stderr.readline()
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=60)
     assert process.returncode == 130, told

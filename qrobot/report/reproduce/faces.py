@@ -65,7 +65,7 @@ def table_markdown(report: dict[str, Any], table: int) -> str:
     """Return a table as Markdown: the paper's seconds beside ours, then what was found."""
     rows = [line for line in report["lines"] if line["table"] == table]
     host, settings = report["machine"], report["settings"]
-    installed = host["packages"] | report["sdks"]
+    installed = host["packages"]
     packages = ", ".join(f"{name} {version}" for name, version in installed.items())
     lines = [
         f"### The paper's table {table}",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib.metadata
 import json
 import os
 import time
@@ -38,7 +36,9 @@ def reproduce(
     settings: Settings | None = None,
     *,
     resume: bool = False,
+    on_start: Callable[[Line], None] | None = None,
     on_line: Callable[[Line], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
     on_figure: Callable[[dict[str, Any]], None] | None = None,
 ) -> dict[str, Any]:
     """Reproduce tables and figures of the paper into a folder, and return the report.
@@ -57,8 +57,10 @@ def reproduce(
     resume
         Take over what an earlier run in the folder finished, under the same settings and on
         the same machine.
-    on_line, on_figure
-        Told of each line and figure.
+    on_start, on_line, on_figure
+        Told of a line that begins, and of each line and figure that is there.
+    interrupted
+        Asked after each line; True ends the run as Ctrl-C does.
 
     Raises
     ------
@@ -86,7 +88,6 @@ def reproduce(
         "paper": {"title": TITLE, "year": YEAR},
         "places": PLACES.format(seed=settings.seed) + ".",
         "machine": machine(),
-        "sdks": _sdks(),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "settings": asdict(settings),
         "targets": list(targets),
@@ -98,11 +99,13 @@ def reproduce(
     known = _finished(folder, report) if resume else []
     tables = [TABLES[name] for name in targets if name in TABLES]
     try:
-        for line in _lines(tables, wanted, settings, known):
+        for line in _lines(tables, wanted, settings, known, on_start):
             report["lines"].append(asdict(line))
             _save(report, folder)
             if on_line is not None:
                 on_line(line)
+            if interrupted is not None and interrupted():
+                raise KeyboardInterrupt
         for name in targets:
             if name not in FIGURES:
                 continue
@@ -123,18 +126,12 @@ def reproduce(
     return report
 
 
-def _sdks() -> dict[str, str]:
-    """Return the versions of the quantum SDKs that are installed."""
-    names = ("qiskit", "qiskit-aer", "pennylane", "pennylane-lightning", "amazon-braket-sdk")
-    found = {}
-    for name in names:
-        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
-            found[name] = importlib.metadata.version(name)
-    return found
-
-
 def _lines(
-    tables: Sequence[int], wanted: Sequence[int], settings: Settings, known: list[Line]
+    tables: Sequence[int],
+    wanted: Sequence[int],
+    settings: Settings,
+    known: list[Line],
+    on_start: Callable[[Line], None] | None,
 ) -> Iterator[Line]:
     """Yield a line for each table, row and method; tables 2 and 3 share their runs."""
     # The reduced rows of tables 2 and 3 ask the same: one run, two faces.
@@ -156,6 +153,8 @@ def _lines(
                 if reason is not None:
                     line.status, line.reason = "skipped", reason
                 else:
+                    if on_start is not None:
+                        on_start(line)
                     line = _run(method, line, questions[asked], settings, warmed)
                 if line.status == "done":
                     done[_key(line)] = line

@@ -7,12 +7,17 @@ from typing import Any
 from qrobot.report.reproduce.outcome import Line
 from qrobot.report.text import columns
 
-__all__ = ["figure_text", "line_text", "summary"]
+__all__ = ["figure_text", "line_text", "place_text", "summary"]
+
+
+def place_text(line: Line) -> str:
+    """Return where in the tables a line is."""
+    return f"table {line.table}, n = {line.items}, {line.qubits} qubits, {line.method}"
 
 
 def line_text(line: Line) -> str:
     """Return a line of a table as a line of progress."""
-    start = f"table {line.table}, n = {line.items}, {line.qubits} qubits, {line.method}: "
+    start = f"{place_text(line)}: "
     if line.status != "done":
         return f"{start}- ({line.reason})"
     best = "no feasible read" if line.best is None else f"best {line.best:g}"
