@@ -90,10 +90,11 @@ def main() -> None:
     registry.BUILTIN["dwave-qpu"] = ("feasible_reads", "StandIn", "dwave.system")
     sys.modules.setdefault("feasible_reads", sys.modules[__name__])
     rows = []
-    print(
-        "| backend | K | n | instances | a read is a plan | a read is optimal | feasible | random |"
-    )
-    print("|---|---|---|---|---|---|---|---|")
+    table = [
+        "| backend | K | n | instances | some plan | some optimal | feasible | random |",
+        "|" + "---|" * 8,
+    ]
+    print("\n".join(table))
     for backend in chosen.backends.split(","):
         for robots in (2, 3):
             for items in (2, 3, 4, 5):
@@ -104,10 +105,12 @@ def main() -> None:
                     backend, robots, items, r["instances"], r["with_plan"], r["with_optimum"],
                     f"{r['feasible']:.3f}", "-" if random is None else f"{random:.2g}",
                 ]  # fmt: skip
-                print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+                table.append("| " + " | ".join(map(str, cells)) + " |")
+                print(table[-1], flush=True)
     if chosen.json:
+        report = {"rows": rows, "markdown": "\n".join(table) + "\n"}
         chosen.json.parent.mkdir(parents=True, exist_ok=True)
-        chosen.json.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
+        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
 
 
 if __name__ == "__main__":

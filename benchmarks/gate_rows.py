@@ -137,6 +137,7 @@ def main() -> None:
         "shots": arguments.shots,
         "compile_seconds": compiled,
         "rows": [row.as_dict() for row in found],
+        "markdown": table,
     }
     for path, text in (
         (arguments.json, json.dumps(report, indent=1) + "\n"),

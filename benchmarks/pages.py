@@ -22,6 +22,17 @@ def page(results: Path) -> str:
         "startup": startup,
         "paper": paper,
         "raw": raw,
+        "gates": lambda r: section(
+            r, "The paper's rows in the gate model", "benchmarks/gate_rows.py", GATES
+        ),
+        "vqe": lambda r: section(r, "VQE by itself", "benchmarks/vqe_rows.py", VQE),
+        "layer": lambda r: section(r, "One QAOA layer", "benchmarks/qaoa_layer.py", LAYER),
+        "gradients": lambda r: section(
+            r, "PennyLane's gradients", "benchmarks/pennylane_gradients.py", GRADIENTS
+        ),
+        "plans": lambda r: section(
+            r, "Plans among the raw reads, K = 2 and 3", "benchmarks/feasible_reads.py", PLANS
+        ),
         "examples": lambda r: bench_markdown(r, "The examples, 5 seconds"),
         "qoblib": lambda r: bench_markdown(
             r, "QOBLIB, 20 items, 4 robots, no slack, deadline 10 seconds"
@@ -36,6 +47,27 @@ def page(results: Path) -> str:
         if path.exists():
             texts.append(write(json.loads(path.read_text())))
     return "\n".join(texts)
+
+
+GATES = """K = 1, M = 15 (25 from n = 10 on) unless said otherwise; qubits are the paper's. 1,000
+shots, nothing repaired; random: uniform bit strings for `penalty` and `one-hot`, uniform plans for
+the other mixers."""
+
+VQE = """Table 2 of the paper, default options, ten seeds (each its own instance), 2,000 reads,
+nothing repaired; random: uniform bit strings, exactly. Medians; seconds hold search and reads."""
+
+LAYER = "Processor seconds on one thread, cost and mixers, same precision, one run after the other."
+
+GRADIENTS = """n = 3 of table 2 (16 qubits), lightning.qubit, Adam at equal steps; apart: the
+largest difference of the two histories."""
+
+PLANS = """Ten seeds a size, those that have a plan; a read counts before any repair. `dwave-qpu` has
+simulated annealing (5000 sweeps) on an embedded Pegasus graph in place of the QPU, up to 8 jobs."""
+
+
+def section(r: dict[str, Any], title: str, source: str, note: str) -> str:
+    """Return a part that brings its own table."""
+    return f"## {title}\n\n{host(r)} `{source}`\n\n{note}\n\n{r['markdown']}"
 
 
 def host(report: dict[str, Any]) -> str:

@@ -9,10 +9,13 @@ walk the same way: the histories are compared.
 from __future__ import annotations
 
 import argparse
+import json
+import os
 import sys
 import time
 from pathlib import Path
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
@@ -50,17 +53,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--items", type=int, default=3)
     parser.add_argument("--steps", type=int, default=5)
+    parser.add_argument("--json", type=Path)
     chosen = parser.parse_args()
+    table = [
+        "| ansatz | layers | alpha | adjoint, ms a step | parameter-shift | ratio | apart |",
+        "|" + "---|" * 7,
+    ]
     for ansatz, layers in (("hardware", 1), ("hardware", 3), ("problem", 1)):
         for alpha in (1.0, 0.05):
             found = measure(chosen.items, chosen.steps, ansatz, layers, alpha)
-            print(
-                f"n={chosen.items} {ansatz} layers={layers} alpha={alpha:g}: adjoint "
-                f"{1e3 * found['adjoint']:.1f} ms a step, parameter-shift "
-                f"{1e3 * found['parameter-shift']:.1f} ms: {found['ratio']:.1f}x; "
-                f"histories apart by {found['apart']:.1e}",
-                flush=True,
+            table.append(
+                f"| {ansatz} | {layers} | {alpha:g} | {1e3 * found['adjoint']:.1f} | "
+                f"{1e3 * found['parameter-shift']:.1f} | {found['ratio']:.1f} | "
+                f"{found['apart']:.0e} |"
             )
+            print(table[-1], flush=True)
+    if chosen.json:
+        report = {"items": chosen.items, "markdown": "\n".join(table) + "\n"}
+        chosen.json.parent.mkdir(parents=True, exist_ok=True)
+        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -261,10 +261,11 @@ def main() -> None:
     table = as_markdown(rows, arguments.methods)
     report = {
         "what": "one QAOA layer, one thread, seconds",
-        "machine": platform.machine(),
+        "architecture": platform.machine(),
         "load_before": load,
         "agreement": agreed,
         "rows": rows,
+        "markdown": table,
     }
     for path, text in (
         (arguments.json, json.dumps(report, indent=1) + "\n"),

@@ -12,6 +12,7 @@ instances of QOBLIB and CVRPLIB are not part of the project: their parts run whe
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import subprocess
 import sys
@@ -70,6 +71,14 @@ def parts(data: Path) -> dict[str, Callable[[], dict[str, Any]]]:
         "raw": lambda: script("raw_sampling"),
         "examples": lambda: bench(ROOT / "examples", "--backends", "auto,batching,neal", "-t", "5"),
     }
+    if _installed("numba"):
+        found["gates"] = lambda: script("gate_rows")
+    if _installed("qiskit_aer", "pennylane_lightning", "braket.devices"):
+        found["layer"] = lambda: script("qaoa_layer")
+        found["gradients"] = lambda: script("pennylane_gradients")
+        found["vqe"] = lambda: script("vqe_rows", "--first", "100")
+    if _installed("dwave.system"):
+        found["plans"] = lambda: script("feasible_reads")
     if (data / "qoblib").is_dir():
         found["qoblib"] = lambda: bench(
             data / "qoblib", "--backends", "auto,pyvrp", "-t", "10", "--robots", "4"
@@ -79,6 +88,13 @@ def parts(data: Path) -> dict[str, Callable[[], dict[str, Any]]]:
             data / "cvrplib", "--backends", "auto,pyvrp", "-t", "10", "--robots-for", "X-*=free"
         )
     return found
+
+
+def _installed(*modules: str) -> bool:
+    try:
+        return all(importlib.util.find_spec(module) for module in modules)
+    except ModuleNotFoundError:
+        return False
 
 
 def main() -> None:

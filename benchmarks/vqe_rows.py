@@ -86,11 +86,12 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     chosen = parser.parse_args()
     kept: list[dict[str, Any]] = []
-    print(
+    table = [
         "| SDK | n | qubits | raw >= 10 x random | P(optimum) | random | ratio | feasible | "
-        "best read optimal | runs | seconds |"
-    )
-    print("|" + "---|" * 11)
+        "best read optimal | runs | seconds |",
+        "|" + "---|" * 11,
+    ]
+    print("\n".join(table))
     for sdk in chosen.sdk.split(","):
         row(sdk, 2, 0, evaluations=2, starts=1)  # imports and compilation
         for items in map(int, chosen.items.split(",")):
@@ -98,11 +99,13 @@ def main() -> None:
             for seed in range(chosen.first, chosen.first + chosen.seeds):
                 rows.append(row(sdk, items, seed, **chosen.options))
                 print(json.dumps(rows[-1]), file=sys.stderr, flush=True)
-            print(summary(rows), flush=True)
+            table.append(summary(rows))
+            print(table[-1], flush=True)
             kept += rows
     if chosen.json:
+        report = {"reads": READS, "rows": kept, "markdown": "\n".join(table) + "\n"}
         chosen.json.parent.mkdir(parents=True, exist_ok=True)
-        chosen.json.write_text(json.dumps({"reads": READS, "rows": kept}, indent=1) + "\n")
+        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
 
 
 if __name__ == "__main__":
