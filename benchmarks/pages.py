@@ -61,8 +61,9 @@ LAYER = "Processor seconds on one thread, cost and mixers, same precision, one r
 GRADIENTS = """n = 3 of table 2 (16 qubits), lightning.qubit, Adam at equal steps; apart: the
 largest difference of the two histories."""
 
-PLANS = """Ten seeds a size, those that have a plan; a read counts before any repair. `dwave-qpu` has
-simulated annealing (5000 sweeps) on an embedded Pegasus graph in place of the QPU, up to 8 jobs."""
+PLANS = """Ten seeds a size, those that have a plan; a read counts before any repair. `dwave-qpu`
+has simulated annealing (5000 sweeps) on an embedded Pegasus graph in place of the QPU, up to 8
+jobs."""
 
 
 def section(r: dict[str, Any], title: str, source: str, note: str) -> str:
