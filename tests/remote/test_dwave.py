@@ -199,6 +199,13 @@ def test_a_refused_token_is_one_sentence(api, make) -> None:
     assert caught.value.__context__ is None
 
 
+def threads_fall_to(count: int) -> bool:
+    deadline = time.monotonic() + 30
+    while threading.active_count() > count and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return threading.active_count() <= count
+
+
 @needs_dwave
 @pytest.mark.parametrize("make", [qpu, hybrid])
 def test_no_token_is_told_at_once(make) -> None:
@@ -215,7 +222,8 @@ def test_a_dead_endpoint_is_told_in_time(make, monkeypatch: pytest.MonkeyPatch) 
     with pytest.raises(RemoteError, match="cannot be reached") as caught:
         make().sample(random_bqm(), timeout=1.0)
     assert TOKEN not in str(caught.value)
-    assert threading.active_count() <= before  # the SDK would leave a dozen at each try
+    # The SDK would leave a dozen threads at each try; those that were told to end need a moment.
+    assert threads_fall_to(before)
 
 
 def test_closing_ends_the_threads(api) -> None:
@@ -224,10 +232,7 @@ def test_closing_ends_the_threads(api) -> None:
     sampler.sample(random_bqm(), num_reads=2)
     assert threading.active_count() > before
     sampler.close()
-    deadline = time.monotonic() + 5
-    while threading.active_count() > before and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert threading.active_count() <= before + 1  # one of the server's, perhaps
+    assert threads_fall_to(before + 1)  # one of the server's, perhaps
     assert len(sampler.sample(random_bqm(), num_reads=2)) > 0
 
 
