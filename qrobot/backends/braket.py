@@ -139,8 +139,9 @@ class _Braket(VariationalSampler):
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
-        del own
         _need("braket.circuits", f"backend {self.name}")
+        if not isinstance(own.get("run_options"), dict | None):
+            raise InputError("sets nothing", field="run_options", mend="give options by name")
         device = options.device or "local"
         if device in ("local", "braket_sv"):
             room(qubits, "Braket's local simulator")

@@ -39,6 +39,7 @@ class DWaveCloudSampler(PickingSampler):
         self._child: Any = child
         self._device: str | None = None
         self._limit: float | None = None
+        self._asked: Any = None
         self._jobs: DWaveJobs | None = None
         self._local: dict[str, dimod.SampleSet] = {}
 
@@ -136,7 +137,13 @@ class DWaveCloudSampler(PickingSampler):
         check_finite(bqm)
         options = Options.take_from(parameters)
         self._limit = options.timeout
+        self._asked = options.interrupt_function
         return run_job(self, bqm, options, **parameters)
+
+    def _left(self) -> float:
+        """Return the seconds that a run's stop leaves, at least one; ``inf`` without one."""
+        left = getattr(self._asked, "remaining", None)
+        return max(1.0, float(left)) if isinstance(left, int | float) else float("inf")
 
     def usd(self, seconds: float, what: str) -> Estimate:
         """Return the cost of so many seconds of this solver."""

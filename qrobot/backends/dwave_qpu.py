@@ -86,7 +86,7 @@ class DWaveQPUSampler(DWaveCloudSampler):
         key = (self._device, frozenset(edges), seed, repr(sorted(parameters.items())))
         if self._known is not None and self._known[0] == key:
             return self._known[1]
-        longest = min(EMBEDDING_SECONDS, self._limit or EMBEDDING_SECONDS)
+        longest = min(EMBEDDING_SECONDS, self._limit or EMBEDDING_SECONDS, self._left())
         chosen = {"timeout": longest, "random_seed": seed} | parameters
         chosen = {name: value for name, value in chosen.items() if value is not None}
         found = minorminer.find_embedding(edges, child.edgelist, **chosen)

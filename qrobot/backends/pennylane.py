@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.backends.pennylane_remote import REMOTE, PluginEngine, admitted, limited
+from qrobot.backends.pennylane_remote import PluginEngine, admitted, is_local, limited
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.engine import Engine, StateEngine, attempt, room
@@ -180,7 +180,13 @@ class _PennyLane(VariationalSampler):
                 mend="use adjoint or parameter-shift",
             )
         device = options.device or DEFAULT
-        if not isinstance(device, str) or device in REMOTE:  # these have limits of their own
+        if isinstance(device, str):
+            _installed(device)
+        elif not hasattr(device, "execute") and not hasattr(device, "apply"):
+            raise InputError(
+                f"{device!r} is no PennyLane device", field="device", mend="give its name"
+            )
+        if not is_local(device):  # it has limits of its own
             return False
         room(qubits, f"device {device}")
         return True

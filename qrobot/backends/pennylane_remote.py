@@ -19,12 +19,20 @@ from qrobot.remote import Estimate, redact_data, with_retries
 from qrobot.remote import Options as Life
 from qrobot.remote.aws import TITLE, check_credentials
 
-__all__ = ["REMOTE", "PluginEngine", "admitted", "limited"]
+__all__ = ["LOCAL", "PluginEngine", "admitted", "is_local", "limited"]
 
 Floats = npt.NDArray[np.float64]
 
-REMOTE = ("braket.aws.qubit", "qiskit.remote")
-"""Devices on other people's machines; every other name is simulated here."""
+LOCAL = (
+    "lightning.", "default.", "null.", "reference.", "braket.local.", "qiskit.aer",
+)  # fmt: skip
+"""How devices begin that are known to be simulated here. Every other one may be a machine that
+bills: it is treated as remote, at a cost that nobody knows."""
+
+
+def is_local(device: Any) -> bool:
+    """Return whether a device is known to be simulated on this machine."""
+    return isinstance(device, str) and device.startswith(LOCAL)
 
 
 class PluginEngine(RemoteEngine):

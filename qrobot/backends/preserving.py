@@ -78,7 +78,8 @@ class _PreservingPlanner:
         limit = EVALUATIONS if stop.max_work is None else max(1, stop.max_work // len(SHARES))
         found = sharpen(qaoa, LAYERS, evaluations=min(limit, EVALUATIONS), alphas=SHARES, stop=stop)
         p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
-        reads = np.random.default_rng(seed).choice(plans.size, READS, p=p / p.sum())
+        rng = np.random.default_rng(seed)
+        reads = rng.choice(plans.size, READS, p=p / p.sum())
         lengths = plans.costs[reads]
         routes = [route for route in plans.routes(int(reads[lengths.argmin()])) if route]
         if on_best is not None:
@@ -86,8 +87,10 @@ class _PreservingPlanner:
         optimal = plans.optimal
         told: dict[str, Any] = {
             "encoding": f"{plans.size} plans",
-            "variables": int(np.ceil(np.log2(max(plans.size, 2)))),
+            # One-hot over robots, steps and nodes, as `subspace_program` has them.
+            "variables": plans.capacities.size * instance.size * (instance.size + 1),
             "lengths": lengths,
+            "random_lengths": plans.costs[rng.integers(0, plans.size, READS)],
             "details": {
                 "mixer": self.mixer,
                 "layers": LAYERS,

@@ -12,7 +12,7 @@ from qrobot.errors import InputError
 from qrobot.remote import Estimate
 from qrobot.remote.cost import FREE
 
-__all__ = ["PickingSampler", "check_finite", "constant_samples"]
+__all__ = ["PickingSampler", "check_finite", "check_share", "check_whole", "constant_samples"]
 
 
 class PickingSampler(dimod.Sampler):
@@ -78,3 +78,30 @@ def constant_samples(bqm: dimod.BinaryQuadraticModel, num_reads: int) -> dimod.S
     """Return the samples of a model without variables: its offset, as often as asked."""
     nothing = np.zeros((num_reads, 0), dtype=np.int8)
     return dimod.SampleSet.from_samples_bqm((nothing, []), bqm)
+
+
+def check_whole(name: str, value: Any, least: int) -> None:
+    """Refuse an option that is no whole number of `least` or more.
+
+    Raises
+    ------
+    InputError
+        With the option's name.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+        raise InputError(
+            f"{value!r} is not a whole number of {least} or more", field=name, mend="correct it"
+        )
+
+
+def check_share(name: str, value: Any) -> None:
+    """Refuse an option that is no share: above 0 and at most 1.
+
+    Raises
+    ------
+    InputError
+        With the option's name.
+    """
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not number or not 0.0 < float(value) <= 1.0:
+        raise InputError(f"{value!r} is not a share", field=name, mend=f"use 0 < {name} <= 1")

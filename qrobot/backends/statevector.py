@@ -14,7 +14,12 @@ from qrobot.backends.gates import memory
 from qrobot.backends.gates.form import Form, bits_of
 from qrobot.backends.gates.simulator import DiagonalQAOA
 from qrobot.backends.gates.tune import Tuning, tune
-from qrobot.backends.sampler import PickingSampler, constant_samples
+from qrobot.backends.sampler import (
+    PickingSampler,
+    check_share,
+    check_whole,
+    constant_samples,
+)
 from qrobot.errors import InputError
 
 __all__ = ["StatevectorSampler"]
@@ -117,8 +122,15 @@ class StatevectorSampler(PickingSampler):
             When the model holds NaN or infinity, or an option is out of range.
         """
         self.remove_unknown_kwargs(**parameters)
-        if num_reads < 1:
-            raise InputError(f"{num_reads} reads are too few", field="num_reads", mend="use 1 up")
+        for option, value, least in (
+            ("num_reads", num_reads, 1),
+            ("layers", layers, 1),
+            ("evaluations", evaluations, 0),
+            ("seed", 0 if seed is None else seed, 0),
+            ("threads", 1 if threads is None else threads, 1),
+        ):
+            check_whole(option, value, least)
+        check_share("alpha", alpha)
         if (gammas is None) != (betas is None):
             raise InputError("gammas and betas come together", field="betas")
         clock = [time.perf_counter()]

@@ -97,7 +97,10 @@ def cancel_(job: str) -> None:
 @click.option("--days", type=float, default=30.0, show_default=True, help="Older than this.")
 def forget_(days: float) -> None:
     """Forget jobs that are over, and their answers; jobs that may still run are kept."""
+    from qrobot.errors import InputError
     from qrobot.remote import JobStore
 
+    if not 0 <= days < float("inf"):
+        raise InputError(f"{days:g} is no age", field="--days", mend="give 0 or more days")
     with JobStore() as store:
         click.echo(f"{store.prune(days)} jobs are forgotten")

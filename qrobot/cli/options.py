@@ -33,6 +33,19 @@ class Robots(click.ParamType[int | str]):
             ) from None
 
 
+OWN_FLAGS = {
+    **{name: f"use --{name}" for name in ("backend", "control", "deadline", "fallback", "seed")},
+    "max_cost": "use --max-cost",
+    "max_work": "use --max-work",
+    "dry_run": "use --dry-run",
+    "wait": "use --no-wait",
+    **dict.fromkeys(
+        ("instance", "stop", "on_progress", "interrupt_function", "context"), "leave it out"
+    ),
+}
+"""What is set in another way, or not from a command line at all."""
+
+
 class Setting(click.ParamType[tuple[str, Any]]):
     """An option of a sampler: ``name=value``, the value as JSON or else as text."""
 
@@ -51,6 +64,10 @@ class Setting(click.ParamType[tuple[str, Any]]):
         if not (equals and name.isidentifier()):
             raise InputError(
                 f"{value!r} sets nothing", field="--option", mend="write it as name=value"
+            )
+        if name in OWN_FLAGS:
+            raise InputError(
+                f"{name} is no option of a sampler here", field="--option", mend=OWN_FLAGS[name]
             )
         try:
             return name, json.loads(text)

@@ -119,7 +119,12 @@ def command(
             instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
         )
         if dry_run or no_wait:
-            _only(dry_run, question, backend, seed, max_cost, options, as_json)
+            useless = {
+                "--output": output, "--picture": picture, "--control": control,
+                "--fallback": fallback, "--deadline": deadline,
+            }  # fmt: skip
+            _refuse("--dry-run" if dry_run else "--no-wait", useless)
+            _only(dry_run, question, backend, seed, max_cost, max_work, options, as_json)
             return
         try:
             result = solve(
@@ -166,20 +171,32 @@ def command(
             click.echo(f"written: {path}")
 
 
+def _refuse(flag: str, options: dict[str, Any]) -> None:
+    """Refuse options that would do nothing."""
+    from qrobot.errors import InputError
+
+    for name, value in options.items():
+        if value not in (None, False, ()):
+            raise InputError(f"{flag} makes no plan yet", field=name, mend="leave it out")
+
+
 def _only(
     dry_run: bool,
     question: Any,
     backend: str,
     seed: int,
     max_cost: float | None,
+    max_work: int | None,
     options: dict[str, Any],
     as_json: bool,
 ) -> None:
     """Tell the cost, or hand the job over, and leave."""
     from qrobot.planning import estimate, submit
+    from qrobot.remote import check_budget
 
     if dry_run:
-        cost = estimate(question, backend, seed=seed, **options)
+        cost = estimate(question, backend, seed=seed, max_work=max_work, **options)
+        check_budget(cost, max_cost)
         plain = {"backend": backend, "submitted": False, "estimate": cost.to_dict()}
         text = f"{backend} would cost {cost}; nothing was submitted"
     else:

@@ -150,6 +150,12 @@ class Penalties:
         """
         if isinstance(given, Penalties):
             return given
+        if not isinstance(given, Mapping | None):
+            raise InputError(
+                f"{given!r} names no weights",
+                field="penalties",
+                mend='give some by name, such as {"visit": 30.0}',
+            )
         measured = cls.measured(instance, encoding)
         if not given:
             return measured

@@ -10,11 +10,11 @@ from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.models import build_model
 from qrobot.planning.auto import bound_from_below
 from qrobot.planning.feasibility import reason_infeasible
-from qrobot.planning.reads import split_options, take_reads
+from qrobot.planning.reads import parameters_of, split_options, take_reads
 from qrobot.planning.result import Result
 from qrobot.planning.run import Run
 from qrobot.planning.sampling import build, use_reads
-from qrobot.planning.solving import DEFAULT_DEADLINE, result_of
+from qrobot.planning.solving import DEFAULT_DEADLINE, refuse_options, result_of
 from qrobot.problem import Instance
 from qrobot.problem.formats.native import parse_native
 from qrobot.remote import Estimate, JobStore, fetch
@@ -23,12 +23,19 @@ from qrobot.remote.cost import FREE
 __all__ = ["collect", "estimate", "submit"]
 
 
-def estimate(instance: Instance, backend: str, *, seed: int = 0, **options: Any) -> Estimate:
-    """Return what `solve` with these arguments would cost; submits nothing.
+def estimate(
+    instance: Instance,
+    backend: str,
+    *,
+    seed: int = 0,
+    max_work: int | None = None,
+    **options: Any,
+) -> Estimate:
+    """Return what one round of `solve` with these arguments would cost; submits nothing.
 
     Parameters
     ----------
-    instance, backend, seed, **options
+    instance, backend, seed, max_work, **options
         As of `solve`.
 
     Raises
@@ -38,11 +45,18 @@ def estimate(instance: Instance, backend: str, *, seed: int = 0, **options: Any)
     """
     sampler = None if backend == "auto" else get(backend)
     if sampler is None or isinstance(sampler, Planner):
+        refuse_options(backend, options)
         return FREE
+    options = {name: value for name, value in options.items() if name != "rounds"}
     chosen, sampling = split_options(sampler, options)
-    if "seed" in sampler.parameters:
-        sampling.setdefault("seed", seed)
-    return sampler.estimate(build(instance, sampler, chosen).bqm, **sampling)
+    if not instance.orders:
+        return FREE
+    model = build(instance, sampler, chosen)
+    asked = parameters_of(sampler, model, sampling, Stop(max_work=max_work), seed)
+    life = {"interrupt_function", "context", "max_cost"}
+    return sampler.estimate(
+        model.bqm, **{name: value for name, value in asked.items() if name not in life}
+    )
 
 
 def submit(
@@ -72,6 +86,8 @@ def submit(
     BackendError
         When it could not be handed over.
     """
+    if not instance.orders:
+        raise InputError("there is nothing to collect", field="orders", mend="leave the job out")
     if (reason := reason_infeasible(instance)) is not None:
         raise InfeasibleError(reason)
     sampler = _remote(backend, options)

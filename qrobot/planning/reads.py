@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import asdict
 from typing import Any
 
 import dimod
 
 from qrobot.backends import Stop
-from qrobot.backends.sampler import PickingSampler
+from qrobot.backends.sampler import PickingSampler, check_whole
 from qrobot.errors import BackendError, InputError, QRobotError
-from qrobot.models import PickingModel
+from qrobot.models import Penalties, PickingModel
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 from qrobot.problem.formats.native_writer import to_text
 from qrobot.remote import redact, timing_fields
 
-__all__ = ["AFTERWARDS", "MODEL_OPTIONS", "split_options", "take_reads"]
+__all__ = ["AFTERWARDS", "MODEL_OPTIONS", "parameters_of", "split_options", "take_reads"]
 
 MODEL_OPTIONS = ("encoding", "slack", "penalties")
 
@@ -60,6 +61,9 @@ def context_of(instance: Instance, chosen: dict[str, Any], seed: int) -> dict[st
         text = to_text(instance)
     except InputError:  # a weight such as one third: the answer stays, without a plan
         return {}
+    weights = chosen.get("penalties")
+    if isinstance(weights, Penalties):
+        chosen = chosen | {"penalties": asdict(weights)}
     return {"instance": text, "model": chosen, "seed": seed}
 
 
@@ -90,7 +94,9 @@ def take_reads(
     BackendError
         When the sampler fails.
     """
-    parameters = _parameters(run, sampler, model, chosen, sampling)
+    parameters = parameters_of(sampler, model, sampling, run.stop, run.seed)
+    if "context" in sampler.parameters and sampler.runs_remotely(**sampling):
+        parameters.setdefault("context", context_of(run.instance, chosen, run.seed))
     begun = time.perf_counter()
     try:
         samples = sampler.sample(model.bqm, **parameters)
@@ -105,6 +111,8 @@ def take_reads(
     parts = timing_fields(samples.info)
     # A remote device tells its own work; a local one's is all that we waited for.
     parts.setdefault("run", time.perf_counter() - begun)
+    if (cut := samples.info.get("cut")) is not None:
+        run.notes.append(f"{sampler.name}: {cut}")
     for name, seconds in parts.items():
         setattr(run.timing, name, getattr(run.timing, name) + seconds)
     if sampler.runs_remotely(**sampling) and math.isinf(run.stop.remaining):
@@ -113,25 +121,32 @@ def take_reads(
     return samples
 
 
-def _parameters(
-    run: Run,
+def parameters_of(
     sampler: PickingSampler,
     model: PickingModel,
-    chosen: dict[str, Any],
     sampling: dict[str, Any],
+    stop: Stop,
+    seed: int,
 ) -> dict[str, Any]:
-    largest = float(run.instance.place_distances.max(initial=0.0)) or 1.0
+    """Return what a sampler is called with: its defaults for picking, and what was asked.
+
+    Raises
+    ------
+    InputError
+        When the number of reads is none, or they do not fit into the memory.
+    """
+    largest = float(model.instance.place_distances.max(initial=0.0)) or 1.0
     parameters = sampler.picking_defaults(largest_distance=largest) | sampling
+    if parameters.get("num_reads") is not None:
+        check_whole("num_reads", parameters["num_reads"], 1)
     if "seed" in sampler.parameters:
-        parameters.setdefault("seed", run.seed)
+        parameters.setdefault("seed", seed)
     if "interrupt_function" in sampler.parameters:
-        left = run.stop.remaining
-        part = run.stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
+        left = stop.remaining
+        part = stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
         parameters.setdefault("interrupt_function", part)
-    if "context" in sampler.parameters and sampler.runs_remotely(**sampling):
-        parameters.setdefault("context", context_of(run.instance, chosen, run.seed))
-    if run.stop.max_work is not None and "num_reads" in sampler.parameters:
-        parameters["num_reads"] = min(parameters.get("num_reads", 100), run.stop.max_work)
+    if stop.max_work is not None and "num_reads" in sampler.parameters:
+        parameters["num_reads"] = min(parameters.get("num_reads", 100), stop.max_work)
     reads = parameters.get("num_reads")
     if isinstance(reads, int) and reads * model.num_variables > MAX_CELLS:
         raise InputError(

@@ -54,6 +54,9 @@ class SamplerReport:
     random_feasible_fraction, random_best, random_optimal_fraction
         The same as without ``random``, of as many uniformly random assignments; ``None``
         when no control was asked for.
+    of_plans
+        Whether the reads, and the random ones, are plans by construction: then no bit string
+        is drawn, and `variables` are the qubits that a circuit would have.
     details
         What the sampler tells of itself: device, parameters, embedding, remote job.
     """
@@ -74,6 +77,7 @@ class SamplerReport:
     random_best: float | None = None
     random_optimal_fraction: float | None = None
     rounds: int = 1
+    of_plans: bool = False
     details: dict[str, Any] = field(default_factory=dict, compare=False)
 
 
@@ -201,12 +205,13 @@ class Result:
             best = "no feasible read" if s.best is None else f"best {s.best:g}, mean {s.mean:g}"
             lines.append(
                 f"{s.backend} by itself ({s.encoding}, {s.variables} variables, {_reads(s)}): "
-                f"{s.feasible_fraction:.0%} feasible, {best}{_optimal(s.optimal_fraction)}"
+                f"{_percent(s.feasible_fraction)} feasible, {best}{_optimal(s.optimal_fraction)}"
             )
             if s.random_feasible_fraction is not None:
                 best = "none" if s.random_best is None else f"best {s.random_best:g}"
                 lines.append(
-                    f"control, as many random reads: {s.random_feasible_fraction:.2g} feasible, "
+                    f"control, as many random {'plans' if s.of_plans else 'reads'}: "
+                    f"{_percent(s.random_feasible_fraction)} feasible, "
                     f"{best}{_optimal(s.random_optimal_fraction)}"
                 )
             if s.control_best is not None:
@@ -254,7 +259,11 @@ class Result:
 
 
 def _optimal(share: float | None) -> str:
-    return "" if share is None else f", {share:.2g} optimal"
+    return "" if share is None else f", {_percent(share)} optimal"
+
+
+def _percent(share: float) -> str:
+    return f"{share:.0%}" if share == 0 or share >= 0.1 else f"{100 * share:.2g}%"
 
 
 def _reads(report: SamplerReport) -> str:

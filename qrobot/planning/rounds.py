@@ -14,6 +14,7 @@ from typing import Any
 import dimod
 
 from qrobot.backends.sampler import PickingSampler
+from qrobot.errors import BackendError
 from qrobot.models import Penalties, PickingModel, build_model
 from qrobot.planning.reads import take_reads
 from qrobot.planning.run import Run
@@ -60,8 +61,17 @@ def sample_in_rounds(
     if "penalties" in chosen:
         most = 1
     total = rounds = 0
+    kept: tuple[PickingModel, dimod.SampleSet] | None = None
     while True:
-        samples = take_reads(run, sampler, model, chosen, sampling)
+        try:
+            samples = take_reads(run, sampler, model, chosen, sampling)
+        except BackendError as error:
+            if kept is None:
+                raise
+            # The reads of the rounds before may have been paid for.
+            run.notes.append(f"round {rounds + 1} of {sampler.name} failed: {error}")
+            return *kept, total, rounds
+        kept = model, samples
         rounds += 1
         total += int(samples.record.num_occurrences.sum())
         limit = run.stop.max_work
@@ -73,15 +83,16 @@ def sample_in_rounds(
         if feasible.any():
             return model, samples, total, rounds
         if remote and "max_cost" in sampling:
-            sampling = sampling | {"max_cost": sampling["max_cost"] - _usd(samples)}
+            sampling = sampling | {"max_cost": max(0.0, sampling["max_cost"] - _usd(samples))}
         with run.timed("build"):
             model = build_model(run.instance, **chosen, penalties=_raised(model, samples))
 
 
 def _usd(samples: dimod.SampleSet) -> float:
-    """Return what a job was estimated to cost: a limit holds for all rounds together."""
-    remote = samples.info.get("remote", {})
-    return float(remote.get("estimate", {}).get("usd") or 0.0)
+    """Return what a round was estimated to cost: a limit holds for all rounds together."""
+    # A search on the device tells the cost of all its jobs, the reads among them.
+    told = samples.info.get("search") or samples.info.get("remote") or {}
+    return float(told.get("estimate", {}).get("usd") or 0.0)
 
 
 def _raised(model: PickingModel, samples: dimod.SampleSet) -> Penalties:

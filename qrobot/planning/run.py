@@ -178,7 +178,8 @@ class Run:
     def _tell_reads(self, name: str, told: Mapping[str, Any]) -> None:
         """Report the reads of a planner that samples plans: all of them are feasible."""
         lengths = np.asarray(told["lengths"], dtype=np.float64)
-        self.reads = (lengths, None)
+        random = np.asarray(told["random_lengths"], dtype=np.float64)
+        self.reads = (lengths, random)
         self.sampler = SamplerReport(
             backend=name,
             encoding=told["encoding"],
@@ -188,6 +189,9 @@ class Run:
             best=float(lengths.min()),
             mean=float(lengths.mean()),
             energy=float(lengths.min()),
+            random_feasible_fraction=1.0,
+            random_best=float(random.min()),
+            of_plans=True,
             details=dict(told["details"]),
         )
 

@@ -63,6 +63,13 @@ def run_sampler(
         run.offer([])
         run.proven = True
         return
+    for name, flag in (("wait", "submit"), ("dry_run", "estimate")):
+        if name in options:
+            raise InputError(
+                f"{name} belongs to qrobot.planning.{flag}",
+                field=name,
+                mend=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
+            )
     most = _most_rounds(options.get("rounds"))
     options = {name: value for name, value in options.items() if name != "rounds"}
     chosen, sampling = split_options(sampler, options)

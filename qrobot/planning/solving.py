@@ -17,7 +17,7 @@ from qrobot.planning.run import TIE, Progress, Run
 from qrobot.problem import Instance
 from qrobot.remote import run_with_fallback
 
-__all__ = ["DEFAULT_DEADLINE", "result_of", "solve"]
+__all__ = ["DEFAULT_DEADLINE", "refuse_options", "result_of", "solve"]
 
 DEFAULT_DEADLINE = 10.0
 """Seconds, when neither a deadline nor a limit of work is given."""
@@ -88,6 +88,9 @@ def solve(
     BackendError
         When the backend failed.
     """
+    for name, limit in (("max_cost", max_cost), ("deadline", deadline)):
+        if limit is not None and (isinstance(limit, bool) or not isinstance(limit, int | float)):
+            raise InputError(f"{limit!r} is no number", field=name, mend="give a plain number")
     if deadline is not None and not deadline > 0:
         raise InputError(
             f"deadline {deadline:g} is not positive", field="deadline", mend="give seconds above 0"
@@ -110,7 +113,7 @@ def solve(
     found = run_with_fallback(
         lambda: ask.answer(backend, options),
         fallback,
-        lambda name: ask.answer(name, ask.shared(name, options)),
+        lambda name: ask.for_fallback(name).answer(name, ask.shared(name, options)),
         primary_name=backend,
     )
     if found.note is None:
@@ -134,12 +137,8 @@ class _Question:
         """Return the plan of one backend."""
         chosen = None if backend == "auto" else get(backend)
         planner = chosen is None or isinstance(chosen, Planner)
-        if options and planner:
-            raise InputError(
-                f"backend {backend} takes no option {', '.join(sorted(options))}",
-                field="backend",
-                mend="leave it out, or choose a sampler such as neal",
-            )
+        if planner:
+            refuse_options(backend, options)
         if self.control and planner:
             raise InputError(
                 f"backend {backend} has no control", field="control", mend="it is for samplers"
@@ -171,6 +170,11 @@ class _Question:
             return stop  # nobody knows how long its queue is
         return Stop(DEFAULT_DEADLINE, parent=stop)
 
+    def for_fallback(self, name: str) -> _Question:
+        """Return what is asked of a fallback: planners have no control."""
+        planner = name == "auto" or isinstance(get(name), Planner)
+        return replace(self, control=False) if planner else self
+
     def shared(self, name: str, options: dict[str, Any]) -> dict[str, Any]:
         """Return the options that a fallback understands too."""
         chosen = None if name == "auto" else get(name)
@@ -178,6 +182,22 @@ class _Question:
             return {}
         known = {*SHARED_OPTIONS} & {"encoding", "slack", "penalties", *chosen.parameters}
         return {key: value for key, value in options.items() if key in known}
+
+
+def refuse_options(backend: str, options: dict[str, Any]) -> None:
+    """Refuse options of a backend that takes none.
+
+    Raises
+    ------
+    InputError
+        With their names.
+    """
+    if options:
+        raise InputError(
+            f"backend {backend} takes no option {', '.join(sorted(options))}",
+            field="backend",
+            mend="leave it out, or choose a sampler such as neal",
+        )
 
 
 SHARED_OPTIONS = ("encoding", "slack", "penalties", "num_reads", "seed")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from qrobot.errors import InputError
+from qrobot.errors import CredentialsError, InputError, MissingExtraError, RemoteError
 from qrobot.remote.circuits import ADAPTERS
 from qrobot.remote.driver import fetch_job, refresh
 from qrobot.remote.job import RemoteJob
@@ -43,17 +43,23 @@ def service_of(job: RemoteJob, get_backend: GetBackend) -> RemoteService:
 
 def refresh_all(jobs: list[RemoteJob], store: JobStore, get_backend: GetBackend) -> list[str]:
     """Ask the services for the states of jobs that may still run; return what went wrong."""
-    troubles: dict[str, str] = {}
+    from qrobot.remote.redaction import redact
+
+    troubles: list[str] = []
+    unreachable: set[str] = set()
     for job in jobs:
-        if job.ended or job.backend in troubles:
+        if job.ended or job.backend in unreachable:
             continue
         try:
             refresh(service_of(job, get_backend), job, store)
+        except (CredentialsError, MissingExtraError) as error:
+            unreachable.add(job.backend)  # every other job of it would fail alike
+            troubles.append(f"{job.backend}: {redact(error)}")
         except Exception as error:
-            from qrobot.remote.redaction import redact
-
-            troubles[job.backend] = f"{job.backend}: {redact(error)}"
-    return list(troubles.values())
+            if isinstance(error, RemoteError) and "cannot be reached" in str(error):
+                unreachable.add(job.backend)
+            troubles.append(f"{job.backend}, job {job.id}: {redact(error)}")
+    return troubles
 
 
 def fetch(name: str, store: JobStore, get_backend: GetBackend) -> dimod.SampleSet:

@@ -38,7 +38,8 @@ _SHAPES = (
 )
 _NAMED = re.compile(
     rf"(?i)((?:x-auth-token|authorization|x-amz-security-token|[\w-]*{_NAME})"
-    r"""["']?(?:\s*[:=]\s*["']?|\s+(?:is\s+)?["']?(?=\S*\d)))([^\s"',;&)}}\]]{6,})"""
+    r"""["']?(?:\s*[:=]\s*["']?|\s+(?:is\s+)?["']?(?=\S*\d))"""
+    r"""(?:(?:apikey|basic|bearer|token|digest)\s+)?)([^\s"',;&)}}\]]{6,})"""
 )
 
 _registered: set[str] = set()

@@ -35,9 +35,13 @@ _CREDENTIAL_CODES = {
     "UnrecognizedClientException",
 }  # fmt: skip
 _BUSY_CODES = {
-    "InternalServerException", "RequestLimitExceeded", "ServiceUnavailable", "Throttling",
-    "ThrottlingException", "TooManyRequestsException",
+    "RequestLimitExceeded", "Throttling", "ThrottlingException", "TooManyRequestsException",
 }  # fmt: skip
+_ARRIVED = {
+    "ConnectionClosedError", "ConnectionResetError", "PollingTimeout", "ProtocolError",
+    "ReadTimeout", "ReadTimeoutError", "RemoteDisconnected",
+}  # fmt: skip
+"""The connection stood: whatever else the chain tells of earlier tries, it may have arrived."""
 _REFUSED = {
     "ConnectTimeout", "ConnectTimeoutError", "ConnectionRefusedError", "EndpointConnectionError",
     "NameResolutionError", "NewConnectionError", "gaierror",
@@ -47,7 +51,8 @@ _LOST = {
     "PollingTimeout", "ProtocolError", "ReadTimeout", "ReadTimeoutError", "RequestTimeout",
     "RequestsApiError", "Timeout", "TimeoutError",
 }  # fmt: skip
-_BUSY_STATUS = {408, 425, 429, 502, 503, 504}
+_BUSY_STATUS = {425, 429}
+"""The service says that it did not take it. A gateway's 502 to 504, or a 500, says nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,9 +128,11 @@ def classify(error: BaseException) -> Kind:
         return "credentials"
     if codes & _BUSY_CODES or status in _BUSY_STATUS:
         return "busy"
+    if names & _ARRIVED or status == 408 or (status is not None and status >= 500):
+        return "lost"
     if names & _REFUSED:
         return "refused"
-    if names & _LOST or (status is not None and status >= 500):
+    if names & _LOST:
         return "lost"
     return "final"
 
@@ -143,6 +150,8 @@ def translate(error: BaseException, what: str, attempts: int = 1) -> QRobotError
         )
     if kind == "refused":
         return RemoteError(f"{what} cannot be reached{tries} ({detail}); check the network")
+    if kind == "lost" and any(_status(one) is not None for one in _chain(error)):
+        return RemoteError(f"{what} had trouble of its own{tries} ({detail}); try again later")
     if kind == "lost":
         return RemoteError(f"{what} did not answer in time{tries} ({detail}); try again later")
     if kind == "busy":

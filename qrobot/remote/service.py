@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from qrobot.errors import InputError
 from qrobot.remote.job import Answer, Estimate, RemoteJob, State
 from qrobot.remote.retry import Backoff
 
@@ -77,6 +78,32 @@ class RemoteService(Protocol):
         ...
 
 
+def check_limits(parameters: Mapping[str, Any]) -> None:
+    """Check the limits of a remote job's life (`Options`) before any work.
+
+    Raises
+    ------
+    InputError
+        When one is of no use.
+    """
+    for name, least in (("timeout", "above 0 seconds"), ("max_cost", "0 or more dollars")):
+        value = parameters.get(name)
+        if value is None:
+            continue
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not number or not (value > 0 or (name == "max_cost" and value == 0)):
+            raise InputError(f"{value!r} is not {least}", field=name, mend="correct it")
+    for name in ("dry_run", "wait"):
+        if not isinstance(parameters.get(name, False), bool | None):
+            raise InputError(
+                f"{parameters[name]!r} is neither true nor false", field=name, mend="correct it"
+            )
+    if not callable(parameters.get("interrupt_function") or bool):
+        raise InputError("is no function", field="interrupt_function", mend="leave it out")
+    if not isinstance(parameters.get("context"), dict | None):
+        raise InputError("is no plain data by name", field="context", mend="give a dictionary")
+
+
 @dataclass(slots=True)
 class Options:
     """How a remote job is run; each is a sampling parameter of remote samplers.
@@ -109,7 +136,14 @@ class Options:
 
     @classmethod
     def take_from(cls, parameters: dict[str, Any]) -> Options:
-        """Return the options among sampling parameters, and take them out of there."""
+        """Return the options among sampling parameters, and take them out of there.
+
+        Raises
+        ------
+        InputError
+            When one is of no use.
+        """
+        check_limits(parameters)
         taken = {name: parameters.pop(name) for name in PARAMETERS if name in parameters}
         given = {name: value for name, value in taken.items() if value is not None}
         return cls(**given, backoff=Backoff(timeout=given.get("timeout")))

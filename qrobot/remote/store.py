@@ -226,9 +226,22 @@ def _row(job: RemoteJob) -> tuple[Any, ...]:
     return (
         job.id, redact(job.remote_id, guess=False), job.backend,
         redact(job.device, guess=False), job.state, job.submitted,
-        job.variables, job.model, json.dumps(redact_data(job.context)), json.dumps(job.timings),
+        job.variables, job.model, json.dumps(_context(job)), json.dumps(job.timings),
         json.dumps(redact_data(job.estimate.to_dict())), redact(job.problem),
     )  # fmt: skip
+
+
+def _context(job: RemoteJob) -> dict[str, Any]:
+    """Return what is kept beside a job, without secrets and without guessing at the instance.
+
+    An item may well be called ``token 2024box``: masking it would make the plan a wrong one.
+    """
+    kept = dict(job.context)
+    instance = kept.pop("instance", None)
+    masked: dict[str, Any] = redact_data(kept)
+    if isinstance(instance, str):
+        masked["instance"] = redact(instance, guess=False)
+    return masked
 
 
 def _job(row: tuple[Any, ...]) -> RemoteJob:

@@ -139,3 +139,19 @@ def test_pennylane_runs_a_task_by_the_plugin():
     )
     assert (found.record.energy == -3.0).all()
     assert found.info["parameters"] == TURNED["initial_parameters"]
+
+
+def test_only_known_simulators_are_local() -> None:
+    from qrobot.backends.pennylane_remote import is_local
+
+    assert is_local("lightning.qubit")
+    assert is_local("braket.local.qubit")
+    for device in ("ionq.qpu", "qiskit.remote", "braket.aws.qubit", "cirq.pasqal", object()):
+        assert not is_local(device)
+
+
+@needs("pennylane")
+def test_what_is_no_device_is_refused_before_any_search() -> None:
+    for device in (3, "ionq.qpu"):
+        with pytest.raises(InputError, match="no PennyLane device"):
+            get("pennylane-qaoa").sample(small_model(), device=device)

@@ -15,6 +15,7 @@ from oracles import least_distance, paper_shaped
 import qrobot
 from qrobot.backends import registry
 from qrobot.cli import main
+from qrobot.models import Penalties
 from qrobot.planning import collect, estimate, submit
 from qrobot.remote import JobStore
 
@@ -202,9 +203,74 @@ def test_rounds_of_a_remote_backend_share_one_budget(monkeypatch: pytest.MonkeyP
     assert one.sampler.rounds == 1
     assert one.sampler.best is None
     assert len(jobs()) == 1
-    with pytest.raises(qrobot.BackendError, match=r"more than the limit of 0\.1 USD"):
-        qrobot.solve(instance, backend=NAME, rounds=8, max_cost=1.1)
+    two = qrobot.solve(instance, backend=NAME, rounds=8, max_cost=1.1)
     assert len(jobs()) == 3  # two at half a dollar each, then no third
+    assert two.sampler.rounds == 2
+    assert any("more than the limit of 0.1 USD" in note for note in two.notes)
     more = qrobot.solve(instance, backend=NAME, rounds=8)
     assert more.sampler.best == pytest.approx(least_distance(instance)[0])
     assert 1 < more.sampler.rounds <= 8
+
+
+def test_a_round_that_fails_costs_no_reads_of_the_rounds_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    instance = paper_shaped(3, 2, 0)
+    result = qrobot.solve(instance, backend=NAME, rounds=8, max_cost=0.9)
+    assert result.sampler.rounds == 1  # the second would have cost too much
+    assert result.sampler.best is None
+    assert any("round 2 of file-service failed" in note for note in result.notes)
+    assert len(jobs()) == 1
+
+
+def test_waiting_is_no_option_of_solve(instance: qrobot.Instance) -> None:
+    for name, mend in (("wait", "--no-wait"), ("dry_run", "--dry-run")):
+        with pytest.raises(qrobot.InputError, match=mend):
+            qrobot.solve(instance, backend=NAME, **{name: False})
+    assert not jobs()
+
+
+def test_a_planner_that_falls_back_has_no_control(
+    instance: qrobot.Instance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FILE_SERVICE_REFUSES", "1")
+    result = qrobot.solve(instance, backend=NAME, control=True, fallback="auto")
+    assert result.answered_by == "auto"
+    assert "refused the token" in result.notes[-1]
+
+
+def test_names_and_weights_survive_the_job_store(instance: qrobot.Instance) -> None:
+    """An item may be called like a secret, and weights may be an object."""
+    items = (replace(instance.items[0], id="token 2024box"), *instance.items[1:])
+    orders = tuple(replace(o, items=(i.id,)) for o, i in zip(instance.orders, items, strict=True))
+    asked = replace(instance, items=items, orders=orders)
+    weights = Penalties.measured(asked)
+    job = submit(asked, NAME, encoding="compact", penalties=weights)
+    with JobStore() as store:
+        result = collect(job["id"], store)
+    assert qrobot.check(result.plan, asked).ok
+
+
+def test_an_estimate_is_of_the_job_that_would_be_sent(
+    instance: qrobot.Instance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from remote.file_sampler import FileSampler
+
+    asked: list[dict] = []
+    real = FileSampler.estimate
+    monkeypatch.setattr(FileSampler, "picking_defaults", lambda *_, **__: {"num_reads": 77})
+    monkeypatch.setattr(
+        FileSampler, "estimate", lambda self, bqm, **p: asked.append(p) or real(self, bqm, **p)
+    )
+    estimate(instance, NAME, encoding="compact")
+    qrobot.solve(instance, backend=NAME, encoding="compact")
+    assert asked == [{"num_reads": 77}] * 2
+    estimate(instance, NAME, encoding="compact", max_work=5)
+    assert asked[-1] == {"num_reads": 5}
+
+
+def test_nothing_to_collect_is_no_job(instance: qrobot.Instance) -> None:
+    nothing = replace(instance, items=(), orders=())
+    assert estimate(nothing, NAME).usd == 0
+    with pytest.raises(qrobot.InputError, match="nothing to collect"):
+        submit(nothing, NAME)

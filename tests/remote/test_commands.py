@@ -12,9 +12,9 @@ from click.testing import CliRunner
 from remote.fake_service import FileService
 from remote.test_redaction import FORMS, plant
 
-from qrobot.cli import doctor, jobs
+from qrobot.cli import doctor, jobs, main
 from qrobot.errors import InputError
-from qrobot.remote import Options, inventory, run_job
+from qrobot.remote import JobStore, Options, inventory, refresh_all, run_job
 
 BQM = dimod.BQM({"a": 1.0, "b": -1.0}, {("a", "b"): 0.5}, 0.25, "BINARY")
 
@@ -49,7 +49,7 @@ def test_list_fetch_cancel_forget(service: FileService, tmp_path: Path) -> None:
     assert report["least_energy"] == -0.75
     assert set(report["timings"]) == {"submit", "latency", "queue", "run", "return"}
     assert run(jobs.command, "cancel", names[1]) == f"{names[1]} is cancelled\n"
-    assert run(jobs.command, "forget", "--days", "-1") == "2 jobs are forgotten\n"
+    assert run(jobs.command, "forget", "--days", "0") == "2 jobs are forgotten\n"
     with pytest.raises(InputError, match="see 'qrobot jobs list'"):
         run(jobs.command, "fetch", "qr-none")
 
@@ -58,7 +58,7 @@ def test_a_service_that_is_down_does_not_hide_the_list(service: FileService) -> 
     name = run_job(service, BQM, Options(wait=False)).info["remote"]["id"]
     service.errors = {"poll": [ValueError("down")]}
     text = run(jobs.command, "list", "--refresh")
-    assert "not refreshed: file-service: File Service failed (ValueError: down)" in text
+    assert f"not refreshed: file-service, job {name}: File Service failed (ValueError" in text
     assert name in text
 
 
@@ -95,3 +95,27 @@ def test_the_extras_are_those_of_the_project() -> None:
     assert set(inventory.BASE) <= set(names(project["dependencies"]))
     for extra, packages in inventory.EXTRAS.items():
         assert names(project["optional-dependencies"][extra]) == sorted(packages)
+
+
+def test_one_dead_job_does_not_hide_the_others(service: FileService) -> None:
+    service.hold = True
+    bqm = dimod.BQM({"a": 1.0}, {}, 0.0, "BINARY")
+    ids = [run_job(service, bqm, Options(wait=False)).info["remote"]["id"] for _ in range(3)]
+    service.hold = False
+    with JobStore() as store:
+        jobs = {job.id: job for job in store.list()}
+        for one in ids[:2]:
+            service.state(jobs[one].remote_id, "done")
+        service._path(jobs[ids[2]].remote_id).unlink()  # the newest, which is asked first
+        troubles = refresh_all(store.list(), store, lambda _: service)
+        assert [store.get(one).state for one in ids] == ["done", "done", "queued"]
+    assert len(troubles) == 1
+    assert ids[2] in troubles[0]
+
+
+def test_forgetting_needs_an_age(capsys: pytest.CaptureFixture[str]) -> None:
+    for days in ("-1", "nan", "inf"):
+        with pytest.raises(SystemExit) as ended:
+            main(["jobs", "forget", "--days", days])
+        assert ended.value.code == 2
+        assert "--days" in capsys.readouterr().err

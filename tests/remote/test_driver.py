@@ -179,7 +179,7 @@ def test_a_backend_without_jobs(store: JobStore) -> None:
     with pytest.raises(InputError, match="keeps no jobs"):
         fetch(job.id, store, lambda _: object())
     assert refresh_all([job], store, lambda _: object()) == [
-        f"neal: backend neal of job {job.id} keeps no jobs; see 'qrobot backends'"
+        f"neal, job {job.id}: backend neal of job {job.id} keeps no jobs; see 'qrobot backends'"
     ]
 
 

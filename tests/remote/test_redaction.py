@@ -168,3 +168,8 @@ def test_a_planted_secret_is_nowhere(
         for text in texts:
             assert form not in text
     assert MASK in "".join(texts)
+
+
+@pytest.mark.parametrize("scheme", ["apikey", "Basic", "Bearer", "token"])
+def test_what_follows_the_scheme_of_a_header_is_masked(scheme: str) -> None:
+    assert "Zx81KkPq77LmN0aa" not in redact(f"Authorization: {scheme} Zx81KkPq77LmN0aa")

@@ -46,6 +46,10 @@ KINDS = [
     (RequestTimeout("late"), "lost"),
     (TimeoutError(), "lost"),
     (ConnectionResetError(), "lost"),
+    (ClientError("InternalServerException", 500), "lost"),
+    (ClientError("ServiceUnavailable", 503), "lost"),
+    (ClientError("Whatever", 429), "busy"),
+    (named("ReadTimeout", named("NewConnectionError")), "lost"),
     (AttributeError("'NoneType' object has no attribute 'x'"), "final"),
 ]
 
@@ -169,3 +173,24 @@ def test_a_fallback_answers_and_the_result_says_so() -> None:
 
     with pytest.raises(InputError):
         run_with_fallback(bad, "neal", lambda _: 1, primary_name="qpu")
+
+
+@pytest.mark.parametrize("status", [408, 500, 502, 503, 504])
+def test_a_gateways_error_is_no_refusal(status: int) -> None:
+    """A gateway's error says nothing about the job behind it, and a second one would bill."""
+    for idempotent, most in ((False, 1), (True, 3)):
+        sent = []
+
+        def call(sent: list[int] = sent) -> None:
+            sent.append(1)
+            raise ClientError("Trouble", status)
+
+        with pytest.raises(RemoteError):
+            with_retries(
+                call,
+                what="Braket",
+                idempotent=idempotent,
+                backoff=Backoff(attempts=3),
+                sleep=lambda _: None,
+            )
+        assert len(sent) == most

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.sampler import check_share, check_whole
 from qrobot.backends.variational.ansatz import ANSATZES
 from qrobot.backends.variational.optimisers import OPTIMISERS
 from qrobot.errors import InputError
 
-__all__ = ["Options", "check_limits"]
+__all__ = ["Options"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -84,16 +85,19 @@ class Options:
             When one is out of range.
         """
         for name, least in (("num_reads", 1), ("layers", 0)):
-            _whole(name, getattr(self, name), least)
+            check_whole(name, getattr(self, name), least)
         for name, least in (("starts", 1), ("shots", 1), ("seed", 0), ("evaluations", 0)):
             if getattr(self, name) is not None:
-                _whole(name, getattr(self, name), least)
-        share: object = 1.0 if self.alpha is None else self.alpha
-        number = isinstance(share, int | float | np.number) and not isinstance(share, bool)
-        if not number or not 0.0 < float(share) <= 1.0:  # type: ignore[arg-type]
+                check_whole(name, getattr(self, name), least)
+        check_share("alpha", 1.0 if self.alpha is None else self.alpha)
+        if not isinstance(self.device_options, Mapping):
             raise InputError(
-                f"{self.alpha!r} is not a share", field="alpha", mend="use 0 < alpha <= 1"
+                f"{self.device_options!r} sets nothing",
+                field="device_options",
+                mend="give the device's own options by name",
             )
+        if not callable(self.interrupt_function or bool):
+            raise InputError("is no function", field="interrupt_function", mend="leave it out")
         for name, known in (
             ("ansatz", ANSATZES),
             ("optimizer", ("auto", *OPTIMISERS)),
@@ -138,34 +142,3 @@ class Options:
                 mend='use info["parameters"] of a run with the same ansatz, layers and model',
             )
         return given
-
-
-def check_limits(parameters: Mapping[str, Any]) -> None:
-    """Check the limits of a remote job's life (`qrobot.remote.Options`) before any work.
-
-    Raises
-    ------
-    InputError
-        When one is of no use.
-    """
-    for name, least in (("timeout", "above 0 seconds"), ("max_cost", "0 or more dollars")):
-        value = parameters.get(name)
-        if value is None:
-            continue
-        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-        if not number or not (value > 0 or (name == "max_cost" and value == 0)):
-            raise InputError(f"{value!r} is not {least}", field=name, mend="correct it")
-    for name in ("dry_run", "wait"):
-        if not isinstance(parameters.get(name, False), bool | None):
-            raise InputError(
-                f"{parameters[name]!r} is neither true nor false", field=name, mend="correct it"
-            )
-    if not isinstance(parameters.get("context"), dict | None):
-        raise InputError("is no plain data by name", field="context", mend="give a dictionary")
-
-
-def _whole(name: str, value: Any, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(
-            f"{value!r} is not a whole number of {least} or more", field=name, mend="correct it"
-        )

@@ -17,7 +17,7 @@ from qrobot.backends.variational.ansatz import Ansatz, make_ansatz
 from qrobot.backends.variational.engine import Engine, PlainEngine, StateEngine, room
 from qrobot.backends.variational.facts import facts_of, ground, lengths
 from qrobot.backends.variational.ising import terms
-from qrobot.backends.variational.options import Options, check_limits
+from qrobot.backends.variational.options import Options
 from qrobot.backends.variational.remote import RemoteEngine
 from qrobot.backends.variational.search import Search
 from qrobot.errors import InputError, QRobotError, RemoteError
@@ -169,7 +169,6 @@ class VariationalSampler(PickingSampler):
                 mend=f"it takes {', '.join(sorted(self.parameters))}",
             )
         own = {name: parameters.pop(name) for name in self.own if name in parameters}
-        check_limits(parameters)
         life = Life.take_from(parameters)
         if self.algorithm == "qaoa":
             parameters["ansatz"] = "qaoa"
@@ -198,6 +197,11 @@ class VariationalSampler(PickingSampler):
         clock.append(time.perf_counter())
         info = facts_of(search, seed, engine, trainer, found)
         info["timing"] = lengths(("build", "optimise", "sample"), clock)
+        if reads < options.num_reads:
+            info["cut"] = (
+                f"time was up: the search for parameters ended after {info['evaluations']} runs, "
+                f"and {reads} of {options.num_reads} reads were taken"
+            )
         if isinstance(engine, StateEngine) and search.energies is not None:
             info |= ground(engine.probabilities(angles), search.energies)
         values = bits if bqm.vartype is dimod.BINARY else 2 * bits - 1
