@@ -32,6 +32,10 @@ def test_several_robots_raw_reads_are_plans(backend: str, items: int, robots: in
     assert report.feasible_fraction == 1.0
     assert report.best == pytest.approx(result.cost)  # nothing was repaired or polished
     assert report.best >= expected[0] - 1e-6
+    # The control: as many uniformly random plans.
+    assert report.random_feasible_fraction == 1.0
+    assert report.random_best >= expected[0] - 1e-6
+    assert "as many random plans" in result.summary()
     told = report.details
     # Where every plan is optimal there is nothing to gain.
     assert told["ground_probability"] >= told["ground_probability_uniform"] - 1e-9
