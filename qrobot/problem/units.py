@@ -7,6 +7,7 @@ its exact common unit; nothing is ever rounded, so an overloaded trip never look
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
@@ -69,7 +70,10 @@ def _decimal(value: float | str | Decimal, field: str) -> Decimal:
         number = Decimal("NaN")
     exponent = number.as_tuple().exponent
     if not isinstance(exponent, int):  # NaN and infinities have a letter there
-        raise InputError(f"{value!s:.40} is not a finite number", field=field, mend=_MEND)
+        mend = _MEND
+        if isinstance(value, str) and re.fullmatch(r"\s*-?\d{1,15},\d{1,15}\s*", value):
+            mend = f"write {value.strip().replace(',', '.')}: a point, no comma"
+        raise InputError(f"{value!s:.40} is not a finite number", field=field, mend=mend)
     if number and exponent < -MAX_DIGITS:  # 1e-999999999 would be a number of a billion digits
         raise InputError(
             f"{value!s:.40} has more than {MAX_DIGITS} decimals",

@@ -118,3 +118,8 @@ def test_capacities_beyond_all_loads_stay_representable() -> None:
 def test_plain_numbers_are_taken_for_their_decimals() -> None:
     assert Item("a", 0.1, Point(0, 0)).weight == Fraction(1, 10)  # type: ignore[arg-type]
     assert Robot("R1", 2.5).capacity == Fraction(5, 2)  # type: ignore[arg-type]
+
+
+def test_a_decimal_comma_is_told_how_to_write_it() -> None:
+    with pytest.raises(InputError, match=r"15,5 is not a finite number; write 15\.5: a point"):
+        exact("15,5", field="capacity")

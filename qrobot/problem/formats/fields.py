@@ -73,7 +73,9 @@ def _whole(value: Any) -> Any:
 
 def _exact(value: Any) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, int | float | Decimal):
-        raise refuse(f"{shown(value)} is not a number", "give a plain number")
+        comma = isinstance(value, str) and "," in value
+        mend = "write it with a point and without quotes" if comma else "give a plain number"
+        raise refuse(f"{shown(value)} is not a number", mend)
     try:
         return exact(value, field="")
     except InputError as error:
