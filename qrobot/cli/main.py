@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import os
 import sys
@@ -23,6 +24,7 @@ COMMANDS = {
     "export": "Write the model of an instance as a file for other programs.",
     "reproduce": "Reproduce the tables and figures of the paper, its seconds beside ours.",
     "jobs": "List, fetch and cancel jobs on remote machines.",
+    "health": "Prove that every installed stack computes right.",
     "doctor": "Show versions, extras, credentials present, and folders.",
 }
 """Name and one line of help; the module of the same name holds the command."""
@@ -96,12 +98,13 @@ def main(arguments: list[str] | None = None) -> None:
         click.echo("qrobot: interrupted", err=True)
         code = 130
     except ReaderGoneError:
-        # There is nobody left to tell; what is still buffered must not raise at the end.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()  # there is nobody left to tell
         code = 0
     except QRobotError as error:
         code = _tell(str(error), error, error.exit_code, debug)
     except OSError as error:
+        if error.filename is None and error.errno in (errno.ENOSPC, errno.EIO):
+            _drop_output()  # the output itself: a full disk
         code = _tell(
             f"{error.strerror or error} ({error.filename or 'input/output'})", error, 2, debug
         )
@@ -111,6 +114,11 @@ def main(arguments: list[str] | None = None) -> None:
         text = f"internal error: {type(error).__name__}: {error}; show more with --debug"
         code = _tell(text, error, 3, debug)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _drop_output() -> None:
+    """Send what is still buffered nowhere: it must not raise again when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:

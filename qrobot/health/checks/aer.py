@@ -1,0 +1,47 @@
+"""Aer: the same circuit, exact probabilities and a seeded sample."""
+
+from __future__ import annotations
+
+from qrobot.health import known
+from qrobot.health.check import Check
+
+SHOTS = 1000
+
+
+def answer() -> list[float]:
+    """Return the probabilities of all states, and the shots of a GHZ state by outcome."""
+    from qiskit import QuantumCircuit, transpile
+    from qiskit_aer import AerSimulator
+
+    from qrobot.health.checks.qiskit import circuit
+
+    device = AerSimulator(method="statevector", seed_simulator=1)
+    made = circuit()
+    made.save_probabilities()
+    exact = device.run(transpile(made, device)).result().data()["probabilities"]
+    ghz = QuantumCircuit(3)
+    ghz.h(0)
+    ghz.cx(0, 1)
+    ghz.cx(1, 2)
+    ghz.measure_all()
+    counts = device.run(transpile(ghz, device), shots=SHOTS).result().get_counts()
+    others = sum(n for state, n in counts.items() if state not in ("000", "111"))
+    return [*exact.tolist(), float(others), float(sum(counts.values()))]
+
+
+def expected() -> list[float]:
+    """Return the same from matrices; a GHZ state has two outcomes."""
+    return [*known.qaoa_probabilities().tolist(), 0.0, SHOTS]
+
+
+CHECK = Check(
+    module=__name__,
+    title="exact and sampled circuits",
+    group="gate model",
+    imports=("qiskit", "qiskit_aer"),
+    distributions=("qiskit-aer", "qiskit"),
+    answer=answer,
+    expected=expected,
+    source="the circuit as matrices in numpy; the definition of a GHZ state",
+    extra="qiskit",
+)

@@ -1,0 +1,42 @@
+"""dimod: energies of all states in both vartypes, and its exhaustive solver."""
+
+from __future__ import annotations
+
+from qrobot.health import known
+from qrobot.health.check import Check
+
+
+def answer() -> list[float]:
+    """Return the energies of 16 states as spins and as bits, and the lowest of 256."""
+    import dimod
+
+    small = dimod.BinaryQuadraticModel(
+        dict(enumerate(known.small_fields())), known.small_couplings(), 0.0, "SPIN"
+    )
+    spins = known.all_spins(known.QUBITS)
+    as_bits = small.change_vartype("BINARY", inplace=False)
+    whole = dimod.BinaryQuadraticModel(dict(enumerate(known.FIELDS)), known.COUPLINGS, 0.0, "SPIN")
+    return [
+        *small.energies((spins, range(known.QUBITS))),
+        *as_bits.energies(((1 + spins) // 2, range(known.QUBITS))),
+        dimod.ExactSolver().sample(whole).first.energy,
+    ]
+
+
+def expected() -> list[float]:
+    """Return the same from the definition."""
+    values = known.energies(known.all_spins(known.QUBITS)).tolist()
+    return [*values, *values, known.lowest()]
+
+
+CHECK = Check(
+    module=__name__,
+    title="energies of a binary quadratic model",
+    group="base",
+    imports=("dimod",),
+    distributions=("dimod",),
+    answer=answer,
+    expected=expected,
+    source="the definition of the energy, over all states, in numpy",
+    quick=True,
+)

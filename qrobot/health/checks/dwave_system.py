@@ -1,0 +1,53 @@
+"""D-Wave's Ocean against its mock QPU: embed, sample, unembed; energies are worked out anew.
+
+The mock is a heuristic, so no optimum is asserted.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from qrobot.health import known
+from qrobot.health.check import Check
+
+READS = 20
+
+
+def answer() -> list[float]:
+    """Return the reads, the largest error of an energy, and how far one is below the ground."""
+    import dimod
+    from dwave.system import EmbeddingComposite
+    from dwave.system.testing import MockDWaveSampler
+
+    model = dimod.BinaryQuadraticModel(dict(enumerate(known.FIELDS)), known.COUPLINGS, 0.0, "SPIN")
+    device = MockDWaveSampler(topology_type="pegasus", topology_shape=[2])
+    try:
+        found = EmbeddingComposite(device).sample(model, num_reads=READS)
+    finally:
+        device.close()
+    order = [list(found.variables).index(k) for k in range(len(known.FIELDS))]
+    told = np.asarray(found.record.energy, dtype=float)
+    true = known.energies(found.record.sample[:, order])
+    return [
+        float(found.record.num_occurrences.sum()),
+        float(np.abs(told - true).max()),
+        float(max(0.0, known.lowest() - told.min())),
+    ]
+
+
+def expected() -> list[float]:
+    """Return all reads, and no error."""
+    return [READS, 0.0, 0.0]
+
+
+CHECK = Check(
+    module=__name__,
+    title="embedding on a mock QPU",
+    group="annealing",
+    imports=("dwave.system", "dwave.system.testing"),
+    distributions=("dwave-system", "dwave-cloud-client"),
+    answer=answer,
+    expected=expected,
+    source="the definition of the energy, in numpy",
+    extra="dwave",
+)

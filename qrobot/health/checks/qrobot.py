@@ -1,0 +1,63 @@
+"""qRobot's exact solver: the best plan of a small floor, held against all plans."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+from qrobot.health.check import Check
+
+SPOTS = ((3.0, 4.0), (-2.0, 5.0), (6.0, -1.0), (-4.0, -3.0), (1.0, -6.0))
+WEIGHTS, ROOM, ROBOTS = (4, 3, 5, 2, 4), 10, 2
+
+
+def answer() -> list[float]:
+    """Return the distance of the plan, whether it is proven, and its checker's complaints."""
+    from fractions import Fraction
+
+    import qrobot
+    from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
+
+    ids = [f"i{k}" for k in range(len(SPOTS))]
+    instance = Instance(
+        warehouse=OpenFloor(depot_x=0.0, depot_y=0.0),
+        items=tuple(
+            Item(name, Fraction(weight), Point(*spot))
+            for name, weight, spot in zip(ids, WEIGHTS, SPOTS, strict=True)
+        ),
+        orders=tuple(Order(name, (name,)) for name in ids),
+        robots=tuple(Robot(f"R{k}", Fraction(ROOM)) for k in range(ROBOTS)),
+    )
+    result = qrobot.solve(instance, backend="exact", deadline=60)
+    plan = result.plan
+    complaints = len(qrobot.check(plan, instance).problems)
+    return [float(plan.distance), float(result.is_optimal), float(complaints)]
+
+
+def expected() -> list[float]:
+    """Return the least distance over every sequence of items, cut in two at every place."""
+    best = math.inf
+    for order in itertools.permutations(range(len(SPOTS))):
+        for cut in range(len(order) + 1):
+            trips = (order[:cut], order[cut:])
+            if all(sum(WEIGHTS[k] for k in trip) <= ROOM for trip in trips):
+                best = min(best, sum(map(_length, trips)))
+    return [best, 1.0, 0.0]
+
+
+def _length(trip: tuple[int, ...]) -> float:
+    stops = [(0.0, 0.0), *(SPOTS[k] for k in trip), (0.0, 0.0)]
+    return sum(math.dist(a, b) for a, b in itertools.pairwise(stops))
+
+
+CHECK = Check(
+    module=__name__,
+    title="the exact solver, 5 items, 2 robots",
+    group="solver",
+    imports=("qrobot.planning", "qrobot.problem"),
+    distributions=("qrobot",),
+    answer=answer,
+    expected=expected,
+    source="all plans, in plain Python",
+    quick=True,
+)

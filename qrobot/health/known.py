@@ -1,0 +1,89 @@
+"""Answers from plain numpy: an Ising model by trying all, a circuit by multiplying matrices.
+
+Spin k of state s is +1 where bit k of s is 0, -1 where it is 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "BETA",
+    "COUPLINGS",
+    "FIELDS",
+    "GAMMA",
+    "QUBITS",
+    "all_spins",
+    "energies",
+    "lowest",
+    "qaoa_energy",
+    "qaoa_probabilities",
+    "small_couplings",
+    "small_fields",
+]
+
+FIELDS: tuple[int, ...] = (1, -2, 3, -1, 2, -3, 1, -1)
+"""Linear terms of the model that annealers minimize."""
+
+COUPLINGS: dict[tuple[int, int], int] = {
+    (i, j): (3 * i + 5 * j) % 7 - 3 for j in range(8) for i in range(j)
+}
+"""Quadratic terms; some are zero."""
+
+QUBITS = 4
+"""The circuits use the first spins only."""
+
+GAMMA, BETA = 0.21, 0.37
+"""Angles of the circuit; any that are no multiple of a symmetry serve."""
+
+
+def small_fields() -> tuple[int, ...]:
+    """Return the linear terms of the first spins."""
+    return FIELDS[:QUBITS]
+
+
+def small_couplings() -> dict[tuple[int, int], int]:
+    """Return the quadratic terms of the first spins."""
+    return {pair: value for pair, value in COUPLINGS.items() if max(pair) < QUBITS}
+
+
+def all_spins(count: int) -> NDArray[np.int64]:
+    """Return all states of spins, shape ``(2**count, count)``."""
+    bits = np.arange(2**count)[:, None] >> np.arange(count) & 1
+    return 1 - 2 * bits
+
+
+def energies(samples: ArrayLike) -> NDArray[np.float64]:
+    """Return the energies of states, shape ``(states, spins)``, by the definition."""
+    spins = np.asarray(samples, dtype=float)
+    count = spins.shape[1]
+    total = spins @ np.asarray(FIELDS[:count], dtype=float)
+    for (i, j), value in COUPLINGS.items():
+        if j < count:
+            total = total + value * spins[:, i] * spins[:, j]
+    return np.asarray(total)
+
+
+def lowest() -> float:
+    """Return the ground state energy of all eight spins."""
+    return float(energies(all_spins(len(FIELDS))).min())
+
+
+def qaoa_probabilities() -> NDArray[np.float64]:
+    """Return the probabilities of all states after one layer of QAOA, by state number.
+
+    ``exp(-i beta sum X) exp(-i gamma E)`` on the uniform state (Farhi, Goldstone and Gutmann
+    2014, arXiv 1411.4028): rotations RZ(2 gamma h), RZZ(2 gamma J), RX(2 beta).
+    """
+    size = 2**QUBITS
+    state = np.exp(-1j * GAMMA * energies(all_spins(QUBITS))) / np.sqrt(size)
+    mixer = np.array([[np.cos(BETA), -1j * np.sin(BETA)], [-1j * np.sin(BETA), np.cos(BETA)]])
+    for _ in range(QUBITS):  # the last axis is worked on and becomes the first
+        state = (state.reshape(-1, 2) @ mixer.T).T.reshape(-1)
+    return np.asarray(np.abs(state) ** 2)
+
+
+def qaoa_energy() -> float:
+    """Return the mean energy of that state."""
+    return float(qaoa_probabilities() @ energies(all_spins(QUBITS)))
