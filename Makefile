@@ -17,7 +17,7 @@ project = pyproject.toml locks/build.txt
 # No questions and no flood; what is fetched is held against the hashes of locks/.
 pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
 # What says more with the SDKs installed than without.
-stack-tests = tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/cli
+stack-tests = tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/health tests/cli
 source = qrobot tests benchmarks examples healthchecks locks
 
 .DEFAULT_GOAL := help

@@ -21,7 +21,7 @@ HEAVY = {
     "qiskit", "scipy", "tensorflow",
 }  # fmt: skip
 
-FLOORS = ["problem", "plan", "models", "remote", "backends", "planning", "report", "cli"]
+FLOORS = ["problem", "plan", "models", "remote", "backends", "planning", "report", "health", "cli"]
 MAY_IMPORT = {
     "problem": set(),
     "plan": {"problem"},
@@ -30,7 +30,8 @@ MAY_IMPORT = {
     "backends": {"problem", "models", "remote"},
     "planning": {"problem", "plan", "models", "backends", "remote"},
     "report": {"problem", "plan", "models", "backends", "planning"},
-    "cli": {"problem", "plan", "models", "remote", "backends", "planning", "report"},
+    "health": {"problem", "remote"},
+    "cli": {"problem", "plan", "models", "remote", "backends", "planning", "report", "health"},
 }
 
 

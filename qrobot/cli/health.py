@@ -96,7 +96,7 @@ def _table(results: list[CheckResult]) -> str:
             ("absent", "absent"),
         )
     ]  # fmt: skip
-    return "\n".join([columns(heads, lines), *told, ", ".join(counts)])
+    return "\n".join([columns(heads, lines, frozenset({3, 4, 5})), *told, ", ".join(counts)])
 
 
 def _number(value: float | None, digits: int) -> str:

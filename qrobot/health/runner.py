@@ -11,15 +11,18 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import psutil
 
 from qrobot.health.check import Check, difference
 from qrobot.health.model import CheckResult, Status
-from qrobot.remote.redaction import redact
 
 __all__ = ["Limits", "run"]
+
+ROOT = Path(__file__).resolve().parents[2]
+"""The folder that holds qRobot."""
 
 POLL = 0.02
 """Seconds between two looks at the process."""
@@ -48,10 +51,11 @@ class _Process:
         self.told: dict[str, Any] = {}
         self.peak = 0.0
         self.overrun = ""
-        self._noise = b""
+        self._noise = self._lines = b""
         reader, writer = os.pipe()
         environment = {k: v for k, v in os.environ.items() if not k.startswith(SECRET)}
-        environment["PYTHONPATH"] = os.pathsep.join(path for path in sys.path if path)
+        # All that we can import, and ourselves, but not the current folder.
+        environment["PYTHONPATH"] = os.pathsep.join([*filter(None, sys.path), str(ROOT)])
         # -P: a file numpy.py in the folder that somebody happens to be in is not numpy.
         command = [sys.executable, "-P", "-W", "ignore", "-m", "qrobot.health.worker"]
         try:
@@ -81,6 +85,7 @@ class _Process:
         try:
             while self.process.poll() is None:
                 self._drain()
+                self._listen()
                 self.peak = max(self.peak, self._memory())
                 if self.peak > self.limits.megabytes:
                     self.overrun = f"took more than {self.limits.megabytes:g} MB of memory"
@@ -121,11 +126,11 @@ class _Process:
                 self._noise = (self._noise + chunk)[-4096:]
 
     def _listen(self) -> None:
-        data = b""
         with suppress(BlockingIOError):
             while chunk := os.read(self._reader, 65536):
-                data += chunk
-        for line in data.splitlines():
+                self._lines += chunk
+        *whole, self._lines = self._lines.split(b"\n")
+        for line in whole:
             with suppress(ValueError):
                 self.told |= json.loads(line)
 
@@ -190,6 +195,8 @@ def _result(
     message: str,
     told: dict[str, Any] | None = None,
 ) -> CheckResult:
+    from qrobot.remote.redaction import redact  # here: the processes of the checks need it not
+
     told = told or {}
     answer, expected = told.get("answer"), told.get("expected")
     return CheckResult(

@@ -34,8 +34,12 @@ def choose(names: Sequence[str] = (), *, quick: bool = False) -> list[Check]:
     Raises
     ------
     InputError
-        When there is no check of a name.
+        When there is no check of a name, or the choice is made twice.
     """
+    if names and quick:
+        raise InputError(
+            "--quick chooses the checks itself", field="NAMES", mend="leave one of both out"
+        )
     known = all_checks()
     for name in names:
         if name not in known:

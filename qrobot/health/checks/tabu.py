@@ -14,7 +14,7 @@ def answer() -> list[float]:
     from dwave.samplers import TabuSampler
 
     model = dimod.BinaryQuadraticModel(dict(enumerate(known.FIELDS)), known.COUPLINGS, 0.0, "SPIN")
-    best = TabuSampler().sample(model, num_reads=10, timeout=5000, num_restarts=20, seed=7).first
+    best = TabuSampler().sample(model, num_reads=2, timeout=5000, num_restarts=20, seed=7).first
     state = np.array([[best.sample[k] for k in range(len(known.FIELDS))]])
     return [best.energy, float(known.energies(state)[0])]
 

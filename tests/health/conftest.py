@@ -1,0 +1,3 @@
+from remote.conftest import home
+
+__all__ = ["home"]

@@ -1,0 +1,120 @@
+"""How to break each stack a little: what a check must notice.
+
+Every entry names something of the SDK (not of the check) and how to spoil it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Any
+
+Spoil = Callable[[Any], Any]
+
+
+def after(change: Callable[[Any], Any]) -> Spoil:
+    """Spoil a function's result."""
+
+    def spoil(original: Any) -> Any:
+        @functools.wraps(original, updated=())
+        def spoiled(*args: Any, **options: Any) -> Any:
+            return change(original(*args, **options))
+
+        return spoiled
+
+    return spoil
+
+
+def worse(found: Any) -> Any:
+    """Raise the energies of a sample set by a thousandth."""
+    found.record.energy = found.record.energy + 1e-3
+    return found
+
+
+def turned(original: Any) -> Any:
+    """Make a PennyLane rotation half a percent too large."""
+    return lambda angle, *rest, **options: original(angle * 1.005, *rest, **options)
+
+
+def turned_method(original: Any) -> Any:
+    """Make a Braket rotation half a percent too large."""
+    return lambda self, qubit, angle: original(self, qubit, angle * 1.005)
+
+
+def steeper(original: Any) -> Any:
+    """Make a gradient half a percent too large."""
+    return lambda *args, **options: lambda x: original(*args, **options)(x) * 1.005
+
+
+def without_a_chain(found: dict[Any, Any]) -> dict[Any, Any]:
+    return found | {0: []}
+
+
+def without_an_edge(graph: Any) -> Any:
+    graph.remove_edge(*next(iter(graph.edges)))
+    return graph
+
+
+def other_probabilities(data: dict[str, Any]) -> dict[str, Any]:
+    if "probabilities" in data:
+        return data | {"probabilities": data["probabilities"] * 1.001}
+    return data
+
+
+def one_more(found: Any) -> Any:
+    found._fval += 1
+    return found
+
+
+def higher(found: Any) -> Any:
+    found.eigenvalue += 1e-3
+    return found
+
+
+def flipped_first(original: Any) -> Any:
+    """Begin every circuit of IBM's sampler with all qubits flipped."""
+
+    def run(self: Any, pubs: Any, **options: Any) -> Any:
+        changed = []
+        for circuit in pubs:
+            other = circuit.copy_empty_like()
+            other.x(range(circuit.num_qubits))
+            changed.append(other.compose(circuit))
+        return original(self, changed, **options)
+
+    return run
+
+
+def longer(result: Any) -> Any:
+    plan = dataclasses.replace(result.plan, distance=result.plan.distance + 1e-3)
+    return dataclasses.replace(result, plan=plan)
+
+
+SABOTAGE: dict[str, tuple[str, Spoil]] = {
+    # check: (module:attribute.path, how)
+    "numpy": ("numpy.linalg:eigvalsh", after(lambda values: values * 1.001)),
+    "scipy": ("scipy.linalg:expm", after(lambda matrix: matrix * 1.001)),
+    "dimod": ("dimod:BinaryQuadraticModel.energies", after(lambda values: values + 1e-3)),
+    "neal": ("neal:SimulatedAnnealingSampler.sample", after(worse)),
+    "tabu": ("dwave.samplers:TabuSampler.sample", after(worse)),
+    "minorminer": ("minorminer:find_embedding", after(without_a_chain)),
+    "dwave-system": ("dwave.system:EmbeddingComposite.sample", after(worse)),
+    "dwave-networkx": ("dwave_networkx:pegasus_graph", after(without_an_edge)),
+    "qiskit": ("qiskit.quantum_info:Statevector.probabilities", after(lambda p: p * 1.001)),
+    "aer": ("qiskit.result:Result.data", after(other_probabilities)),
+    "rustworkx": ("rustworkx:floyd_warshall_numpy", after(lambda ways: ways + 1)),
+    "qiskit-optimization": (
+        "qiskit_optimization.algorithms:MinimumEigenOptimizer.solve",
+        after(one_more),
+    ),
+    "qiskit-algorithms": ("qiskit_algorithms:VQE.compute_minimum_eigenvalue", after(higher)),
+    "ibm-runtime": ("qiskit_ibm_runtime:SamplerV2.run", flipped_first),
+    "docplex": ("docplex.mp.solution:SolveSolution.get_value", after(lambda value: value + 1)),
+    "pennylane": ("pennylane:RX", turned),
+    "lightning": ("pennylane:grad", steeper),
+    "autograd": ("autograd:grad", steeper),
+    "braket": ("braket.circuits:Circuit.rx", turned_method),
+    "pennylane-braket": ("pennylane:RX", turned),
+    "qrobot": ("qrobot:solve", after(longer)),
+}
