@@ -3,18 +3,17 @@
     python benchmarks/feasible_reads.py --seeds 10
 
 Instances in the paper's shape (tests/oracles.py), n = 2 to 5, each with a plan. A cell says in how
-many instances at least one raw read is a plan, in how many one is optimal, and the mean share of
-reads that are plans, all from `SamplerReport`: decoded before repair and polish; the last column
-is that share of as many uniformly random reads. Local samplers are asked again with raised weights
-while no read is a plan, at most 8 times. ``dwave-qpu`` is the backend with simulated annealing
-(5000 sweeps) on an embedded Pegasus graph in place of the QPU, and allowed 8 jobs too (its default
-is one, because each bills).
+many instances at least one raw read is a plan, in how many one is optimal, and the mean shares of
+reads that are plans and that are optimal, all from `SamplerReport`: decoded before repair and
+polish; random: the same of as many uniformly random bit strings (plans, for `qaoa-*`). Local
+samplers are asked again with raised weights while no read is a plan, at most 8 times.
+``dwave-qpu`` is the backend with simulated annealing (5000 sweeps) on an embedded Pegasus graph in
+place of the QPU, and allowed 8 jobs too (its default is one, because each bills).
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import tempfile
@@ -25,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="qrobot-bench-")
 
 from oracles import least_distance, paper_shaped
+from outputs import write
 
 import qrobot
 from qrobot.backends import registry
@@ -54,7 +54,7 @@ def cell(backend: str, items: int, robots: int, seeds: int) -> dict[str, object]
     more: dict[str, Any] = {} if backend.startswith("qaoa") else {"control": True}
     more |= {"rounds": 8} if backend == "dwave-qpu" else {}
     tried = some = best = 0
-    share = random = 0.0
+    share = optimal = random = random_optimal = 0.0
     for seed in range(seeds):
         instance = paper_shaped(items, robots, 1000 + seed)
         known = least_distance(instance)
@@ -69,14 +69,18 @@ def cell(backend: str, items: int, robots: int, seeds: int) -> dict[str, object]
         report = result.sampler
         assert report is not None
         share += report.feasible_fraction
+        optimal += report.optimal_fraction or 0.0
         random += report.random_feasible_fraction or 0.0
+        random_optimal += report.random_optimal_fraction or 0.0
         if report.best is not None:
             some += 1
             best += report.best <= known[0] * (1 + 1e-9)
     return {
         "backend": backend, "robots": robots, "items": items, "instances": tried,
         "with_plan": some, "with_optimum": best, "feasible": share / max(tried, 1),
-        "random_feasible": random / max(tried, 1) if "control" in more else None,
+        "optimal": optimal / max(tried, 1),
+        "random_feasible": random / max(tried, 1),
+        "random_optimal": random_optimal / max(tried, 1),
     }  # fmt: skip
 
 
@@ -91,8 +95,9 @@ def main() -> None:
     sys.modules.setdefault("feasible_reads", sys.modules[__name__])
     rows = []
     table = [
-        "| backend | K | n | instances | some plan | some optimal | feasible | random |",
-        "|" + "---|" * 8,
+        "| backend | K | n | instances | some plan | some optimal | feasible | random | "
+        "optimal | random |",
+        "|" + "---|" * 10,
     ]
     print("\n".join(table))
     for backend in chosen.backends.split(","):
@@ -100,17 +105,14 @@ def main() -> None:
             for items in (2, 3, 4, 5):
                 rows.append(cell(backend, items, robots, chosen.seeds))
                 r = rows[-1]
-                random = r["random_feasible"]
                 cells = [
                     backend, robots, items, r["instances"], r["with_plan"], r["with_optimum"],
-                    f"{r['feasible']:.3f}", "-" if random is None else f"{random:.2g}",
+                    f"{r['feasible']:.3f}", f"{r['random_feasible']:.2g}",
+                    f"{r['optimal']:.3f}", f"{r['random_optimal']:.2g}",
                 ]  # fmt: skip
                 table.append("| " + " | ".join(map(str, cells)) + " |")
                 print(table[-1], flush=True)
-    if chosen.json:
-        report = {"rows": rows, "markdown": "\n".join(table) + "\n"}
-        chosen.json.parent.mkdir(parents=True, exist_ok=True)
-        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
+    write({"rows": rows, "markdown": "\n".join(table) + "\n"}, chosen.json)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ one thread, search included, imports and the first compilation (shown apart) lef
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import time
@@ -22,6 +21,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+from outputs import write
 
 from qrobot.backends.gates import (
     DiagonalQAOA,
@@ -139,13 +139,7 @@ def main() -> None:
         "rows": [row.as_dict() for row in found],
         "markdown": table,
     }
-    for path, text in (
-        (arguments.json, json.dumps(report, indent=1) + "\n"),
-        (arguments.markdown, table),
-    ):
-        if path:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
+    write(report, arguments.json, arguments.markdown)
     print(table)
 
 

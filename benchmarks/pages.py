@@ -54,7 +54,8 @@ shots, nothing repaired; random: uniform bit strings for `penalty` and `one-hot`
 the other mixers."""
 
 VQE = """Table 2 of the paper, default options, ten seeds (each its own instance), 2,000 reads,
-nothing repaired; random: uniform bit strings, exactly. Medians; seconds hold search and reads."""
+nothing repaired; random: uniform bit strings, exactly (the left one of the optimum, the right one
+of a plan). Medians; seconds hold search and reads."""
 
 LAYER = "Processor seconds on one thread, cost and mixers, same precision, one run after the other."
 

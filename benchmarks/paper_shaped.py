@@ -10,7 +10,6 @@ package. Times are `solve`'s own, without imports and without reading.
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import sys
 from pathlib import Path
@@ -18,6 +17,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
 from oracles import paper_shaped, subset_programme
+from outputs import write
 
 import qrobot
 from qrobot.backends import Stop
@@ -73,9 +73,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
     report = measure(arguments.count)
-    if arguments.json:
-        arguments.json.parent.mkdir(parents=True, exist_ok=True)
-        arguments.json.write_text(json.dumps(report, indent=1) + "\n")
+    write(report, arguments.json)
     print({key: value for key, value in report.items() if key != "rows"})
 
 

@@ -9,7 +9,6 @@ walk the same way: the histories are compared.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import time
@@ -21,6 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import numpy as np
 from gates_sdk.pickings import table2_model
+from outputs import write
 
 from qrobot.backends.pennylane import PennyLaneVQE
 
@@ -68,10 +68,7 @@ def main() -> None:
                 f"{found['apart']:.0e} |"
             )
             print(table[-1], flush=True)
-    if chosen.json:
-        report = {"items": chosen.items, "markdown": "\n".join(table) + "\n"}
-        chosen.json.parent.mkdir(parents=True, exist_ok=True)
-        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
+    write({"items": chosen.items, "markdown": "\n".join(table) + "\n"}, chosen.json)
 
 
 if __name__ == "__main__":

@@ -9,13 +9,13 @@ own default parameters and the same seconds; nothing of this package but the rea
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyvrp
+from outputs import write
 from pyvrp.stop import MaxRuntime
 
 from qrobot.problem.formats import read
@@ -94,8 +94,7 @@ def main() -> None:
         row = solve(task)
         report["rows"].append(row)
         print(row["instance"], row["seed"], row["cost"], row["gap"], flush=True)
-        if arguments.json:
-            arguments.json.write_text(json.dumps(report, indent=1) + "\n")
+        write(report, arguments.json)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,6 @@ Before anything is timed, all must agree on the probabilities (n = 10).
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import platform
 import sys
@@ -30,12 +29,13 @@ from typing import Any
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
 
-import dimod  # noqa: E402
-import numpy as np  # noqa: E402
+import dimod
+import numpy as np
+from outputs import write
 
-from qrobot.backends.gates.engine import make_engine  # noqa: E402
-from qrobot.backends.gates.form import Form, diagonal  # noqa: E402
-from qrobot.backends.gates.memory import pair  # noqa: E402
+from qrobot.backends.gates.engine import make_engine
+from qrobot.backends.gates.form import Form, diagonal
+from qrobot.backends.gates.memory import pair
 
 GAMMA, BETA = 0.1, -0.4
 DTYPES = {"double": np.float64, "single": np.float32}
@@ -267,13 +267,7 @@ def main() -> None:
         "rows": rows,
         "markdown": table,
     }
-    for path, text in (
-        (arguments.json, json.dumps(report, indent=1) + "\n"),
-        (arguments.markdown, table),
-    ):
-        if path:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
+    write(report, arguments.json, arguments.markdown)
     print(table)
 
 

@@ -12,7 +12,6 @@ keep to the capacities. Seconds hold building, sampling and decoding.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import time
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+from outputs import write
 
 from qrobot.backends.neal import NealSampler
 from qrobot.models import PickingModel, build_model
@@ -255,9 +255,7 @@ def main() -> None:
         "rows": rows,
         "markdown": markdown,
     }
-    if arguments.json:
-        arguments.json.parent.mkdir(parents=True, exist_ok=True)
-        arguments.json.write_text(json.dumps(report, indent=1) + "\n")
+    write(report, arguments.json)
 
 
 if __name__ == "__main__":

@@ -27,9 +27,9 @@ PAGE = ROOT / "docs" / "benchmarks.md"
 
 sys.path.insert(0, str(HERE))
 
-from pages import page  # noqa: E402
+from pages import page
 
-from qrobot.report.machine import machine  # noqa: E402
+from qrobot.report.machine import machine
 
 
 def keep(name: str, report: dict[str, Any]) -> None:

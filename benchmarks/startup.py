@@ -15,6 +15,8 @@ import sys
 import time
 from pathlib import Path
 
+from outputs import write
+
 ROOT = Path(__file__).resolve().parent.parent
 HEAVY = ("qiskit", "pennylane", "braket", "numba", "matplotlib", "ortools", "pandas", "scipy")
 
@@ -89,9 +91,7 @@ def main() -> None:
             "build/bench/plan.png",
         ),
     }  # fmt: skip
-    if arguments.json:
-        arguments.json.parent.mkdir(parents=True, exist_ok=True)
-        arguments.json.write_text(json.dumps(report, indent=1) + "\n")
+    write(report, arguments.json)
     print(json.dumps(report, indent=1))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from abc import abstractmethod
 from typing import Any, ClassVar
 
@@ -70,7 +71,7 @@ class DWaveCloudSampler(PickingSampler):
         if self._given is not None or (self._child is not None and device in (None, self._device)):
             return self._child
         try:
-            import dwave.system  # noqa: F401
+            importlib.import_module("dwave.system")
         except ImportError:
             raise MissingExtraError(f"backend {self.name}", "dwave") from None
         if "token" not in self._config:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import dimod
@@ -12,7 +13,14 @@ from qrobot.errors import InputError
 from qrobot.remote import Estimate
 from qrobot.remote.cost import FREE
 
-__all__ = ["PickingSampler", "check_finite", "check_share", "check_whole", "constant_samples"]
+__all__ = [
+    "PickingSampler",
+    "check_finite",
+    "check_known",
+    "check_share",
+    "check_whole",
+    "constant_samples",
+]
 
 
 class PickingSampler(dimod.Sampler):
@@ -78,6 +86,22 @@ def constant_samples(bqm: dimod.BinaryQuadraticModel, num_reads: int) -> dimod.S
     """Return the samples of a model without variables: its offset, as often as asked."""
     nothing = np.zeros((num_reads, 0), dtype=np.int8)
     return dimod.SampleSet.from_samples_bqm((nothing, []), bqm)
+
+
+def check_known(sampler: PickingSampler, options: Iterable[str]) -> None:
+    """Refuse options that a sampler does not take.
+
+    Raises
+    ------
+    InputError
+        With their names, and those that it takes.
+    """
+    if unknown := sorted(set(options) - set(sampler.parameters)):
+        raise InputError(
+            f"backend {sampler.name} takes no option {', '.join(unknown)}",
+            field="backend",
+            mend=f"it takes {', '.join(sorted(sampler.parameters))}",
+        )
 
 
 def check_whole(name: str, value: Any, least: int) -> None:

@@ -33,7 +33,7 @@ class ProgressLine:
         """Return the line to show."""
         clock = time.perf_counter() - self.begun
         if self.latest is None:
-            return f"{clock:5.1f} s  reading"
+            return f"{clock:5.1f} s  starting"
         cost = "no plan yet" if self.latest.cost is None else f"distance {self.latest.cost:g}"
         bound = f", bound {self.latest.bound:g}" if self.latest.bound > 0 else ""
         return f"{clock:5.1f} s  {self.latest.step}: {cost}{bound}"

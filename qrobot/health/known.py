@@ -5,6 +5,9 @@ Spin k of state s is +1 where bit k of s is 0, -1 where it is 1.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -15,7 +18,11 @@ __all__ = [
     "GAMMA",
     "QUBITS",
     "all_spins",
+    "circuits_answer",
+    "circuits_expected",
     "energies",
+    "ground_answer",
+    "ground_expected",
     "lowest",
     "qaoa_energy",
     "qaoa_probabilities",
@@ -87,3 +94,37 @@ def qaoa_probabilities() -> NDArray[np.float64]:
 def qaoa_energy() -> float:
     """Return the mean energy of that state."""
     return float(qaoa_probabilities() @ energies(all_spins(QUBITS)))
+
+
+def circuits_answer(exact: ArrayLike, counts: Mapping[str, int]) -> list[float]:
+    """Return what a simulator says of both circuits as `circuits_expected` has it.
+
+    Parameters
+    ----------
+    exact
+        Probabilities of the QAOA layer, shape ``(2**QUBITS,)``.
+    counts
+        Shots of a GHZ state of three qubits, by outcome.
+    """
+    others = sum(n for state, n in counts.items() if state not in ("000", "111"))
+    return [*np.asarray(exact, dtype=float).tolist(), float(others), float(sum(counts.values()))]
+
+
+def circuits_expected(shots: int) -> list[float]:
+    """Return the layer's probabilities from matrices; a GHZ state has two outcomes."""
+    return [*qaoa_probabilities().tolist(), 0.0, float(shots)]
+
+
+def ground_answer(sampler: Any, **options: Any) -> list[float]:
+    """Return the lowest energy that an annealer tells, and that of its state in numpy."""
+    import dimod
+
+    model = dimod.BinaryQuadraticModel(dict(enumerate(FIELDS)), COUPLINGS, 0.0, "SPIN")
+    best = sampler.sample(model, **options).first
+    state = np.array([[best.sample[k] for k in range(len(FIELDS))]])
+    return [best.energy, float(energies(state)[0])]
+
+
+def ground_expected() -> list[float]:
+    """Return the ground state energy, twice."""
+    return [lowest()] * 2

@@ -10,7 +10,7 @@ from typing import Any
 import dimod
 
 from qrobot.backends import Stop
-from qrobot.backends.sampler import PickingSampler, check_whole
+from qrobot.backends.sampler import PickingSampler, check_known, check_whole
 from qrobot.errors import BackendError, InputError, QRobotError
 from qrobot.models import Penalties, PickingModel
 from qrobot.planning.run import Run
@@ -45,13 +45,7 @@ def split_options(
     """
     chosen = {name: options[name] for name in MODEL_OPTIONS if name in options}
     sampling = {name: value for name, value in options.items() if name not in MODEL_OPTIONS}
-    unknown = sorted(set(sampling) - set(sampler.parameters))
-    if unknown:
-        raise InputError(
-            f"backend {sampler.name} takes no option {', '.join(unknown)}",
-            field="backend",
-            mend=f"it takes {', '.join(sorted(sampler.parameters))}",
-        )
+    check_known(sampler, sampling)
     return chosen, sampling
 
 

@@ -180,8 +180,8 @@ class CompiledEngine:
         for low, bits, width in how.high:
 
             def part(a: int, b: int, low: int = low, bits: int = bits, width: int = width) -> None:
-                R, I = pair(width << bits, re.dtype)  # noqa: E741
-                run(re, im, R, I, c, s, low, bits, width, a, b)
+                Re, Im = pair(width << bits, re.dtype)
+                run(re, im, Re, Im, c, s, low, bits, width, a, b)
 
             self._spread(part, re.size // (width << bits), re.size)
 

@@ -24,11 +24,11 @@ Reals = npt.NDArray[Any]
 """float64 or float32, the same for all arrays of a call."""
 
 
-def _two(R: Reals, I: Reals, c: Any, s: Any, h: int) -> None:  # noqa: E741
+def _two(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
     """Mix the one qubit of stride `h`."""
-    for o in range(0, R.shape[0], 2 * h):
-        R0, I0 = R[o : o + h], I[o : o + h]
-        R1, I1 = R[o + h : o + 2 * h], I[o + h : o + 2 * h]
+    for o in range(0, Re.shape[0], 2 * h):
+        R0, I0 = Re[o : o + h], Im[o : o + h]
+        R1, I1 = Re[o + h : o + 2 * h], Im[o + h : o + 2 * h]
         for j in range(h):
             r0, i0, r1, i1 = R0[j], I0[j], R1[j], I1[j]
             R0[j] = c * r0 + s * i1
@@ -37,13 +37,13 @@ def _two(R: Reals, I: Reals, c: Any, s: Any, h: int) -> None:  # noqa: E741
             I1[j] = c * i1 - s * r0
 
 
-def _four(R: Reals, I: Reals, c: Any, s: Any, h: int) -> None:  # noqa: E741
+def _four(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
     """Mix the two qubits of strides `h` and `2 h`: half the loads and stores."""
-    for o in range(0, R.shape[0], 4 * h):
-        R0, I0 = R[o : o + h], I[o : o + h]
-        R1, I1 = R[o + h : o + 2 * h], I[o + h : o + 2 * h]
-        R2, I2 = R[o + 2 * h : o + 3 * h], I[o + 2 * h : o + 3 * h]
-        R3, I3 = R[o + 3 * h : o + 4 * h], I[o + 3 * h : o + 4 * h]
+    for o in range(0, Re.shape[0], 4 * h):
+        R0, I0 = Re[o : o + h], Im[o : o + h]
+        R1, I1 = Re[o + h : o + 2 * h], Im[o + h : o + 2 * h]
+        R2, I2 = Re[o + 2 * h : o + 3 * h], Im[o + 2 * h : o + 3 * h]
+        R3, I3 = Re[o + 3 * h : o + 4 * h], Im[o + 3 * h : o + 4 * h]
         for j in range(h):
             r0, i0, r1, i1 = R0[j], I0[j], R1[j], I1[j]
             r2, i2, r3, i3 = R2[j], I2[j], R3[j], I3[j]
@@ -59,13 +59,13 @@ def _four(R: Reals, I: Reals, c: Any, s: Any, h: int) -> None:  # noqa: E741
             I3[j] = c * y3 - s * x1
 
 
-def _eight(R: Reals, I: Reals, c: Any, s: Any) -> None:  # noqa: E741
+def _eight(Re: Reals, Im: Reals, c: Any, s: Any) -> None:
     """Mix the three lowest qubits in registers: their strides are too short for vectors."""
-    for o in range(0, R.shape[0], 8):
-        r0, r1, r2, r3 = R[o], R[o + 1], R[o + 2], R[o + 3]
-        r4, r5, r6, r7 = R[o + 4], R[o + 5], R[o + 6], R[o + 7]
-        i0, i1, i2, i3 = I[o], I[o + 1], I[o + 2], I[o + 3]
-        i4, i5, i6, i7 = I[o + 4], I[o + 5], I[o + 6], I[o + 7]
+    for o in range(0, Re.shape[0], 8):
+        r0, r1, r2, r3 = Re[o], Re[o + 1], Re[o + 2], Re[o + 3]
+        r4, r5, r6, r7 = Re[o + 4], Re[o + 5], Re[o + 6], Re[o + 7]
+        i0, i1, i2, i3 = Im[o], Im[o + 1], Im[o + 2], Im[o + 3]
+        i4, i5, i6, i7 = Im[o + 4], Im[o + 5], Im[o + 6], Im[o + 7]
         r0, i0, r1, i1 = c * r0 + s * i1, c * i0 - s * r1, c * r1 + s * i0, c * i1 - s * r0
         r2, i2, r3, i3 = c * r2 + s * i3, c * i2 - s * r3, c * r3 + s * i2, c * i3 - s * r2
         r4, i4, r5, i5 = c * r4 + s * i5, c * i4 - s * r5, c * r5 + s * i4, c * i5 - s * r4
@@ -78,10 +78,10 @@ def _eight(R: Reals, I: Reals, c: Any, s: Any) -> None:  # noqa: E741
         r1, i1, r5, i5 = c * r1 + s * i5, c * i1 - s * r5, c * r5 + s * i1, c * i5 - s * r1
         r2, i2, r6, i6 = c * r2 + s * i6, c * i2 - s * r6, c * r6 + s * i2, c * i6 - s * r2
         r3, i3, r7, i7 = c * r3 + s * i7, c * i3 - s * r7, c * r7 + s * i3, c * i7 - s * r3
-        R[o], R[o + 1], R[o + 2], R[o + 3] = r0, r1, r2, r3
-        R[o + 4], R[o + 5], R[o + 6], R[o + 7] = r4, r5, r6, r7
-        I[o], I[o + 1], I[o + 2], I[o + 3] = i0, i1, i2, i3
-        I[o + 4], I[o + 5], I[o + 6], I[o + 7] = i4, i5, i6, i7
+        Re[o], Re[o + 1], Re[o + 2], Re[o + 3] = r0, r1, r2, r3
+        Re[o + 4], Re[o + 5], Re[o + 6], Re[o + 7] = r4, r5, r6, r7
+        Im[o], Im[o + 1], Im[o + 2], Im[o + 3] = i0, i1, i2, i3
+        Im[o + 4], Im[o + 5], Im[o + 6], Im[o + 7] = i4, i5, i6, i7
 
 
 two = compile_kernel(_two)
@@ -89,20 +89,20 @@ four = compile_kernel(_four)
 eight = compile_kernel(_eight)
 
 
-def _mix(R: Reals, I: Reals, c: Any, s: Any, h: int) -> None:  # noqa: E741
+def _mix(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
     """Mix every qubit of stride `h` and above within a block."""
-    size = R.shape[0]
+    size = Re.shape[0]
     if h == 1 and size >= 8:
-        eight(R, I, c, s)
+        eight(Re, Im, c, s)
         h = 8
     while 4 * h <= size:
-        four(R, I, c, s, h)
+        four(Re, Im, c, s, h)
         h *= 4
     if 2 * h <= size:
-        two(R, I, c, s, h)
+        two(Re, Im, c, s, h)
 
 
-def _phase(R: Reals, I: Reals, D: Reals, k: Reals, fresh: bool) -> None:  # noqa: E741
+def _phase(Re: Reals, Im: Reals, D: Reals, k: Reals, fresh: bool) -> None:
     """Multiply with exp(-i gamma D), or begin with it times one amplitude.
 
     The angle in turns is reduced to half a turn around zero (exactly), its quarter goes into
@@ -113,7 +113,7 @@ def _phase(R: Reals, I: Reals, D: Reals, k: Reals, fresh: bool) -> None:  # noqa
     turns, magic, one, two_, amplitude = k[0], k[1], k[2], k[3], k[4]
     s1, s3, s5, s7, s9, s11, s13, s15 = k[5], k[6], k[7], k[8], k[9], k[10], k[11], k[12]
     c2, c4, c6, c8, c10, c12, c14 = k[13], k[14], k[15], k[16], k[17], k[18], k[19]
-    for j in range(R.shape[0]):
+    for j in range(Re.shape[0]):
         t = D[j] * turns
         t = t - ((t + magic) - magic)
         u = t * t
@@ -124,12 +124,12 @@ def _phase(R: Reals, I: Reals, D: Reals, k: Reals, fresh: bool) -> None:  # noqa
         sn = two_ * half * rest
         cs = one - two_ * half * half
         if fresh:
-            R[j] = amplitude * cs
-            I[j] = -amplitude * sn
+            Re[j] = amplitude * cs
+            Im[j] = -amplitude * sn
         else:
-            r, i = R[j], I[j]
-            R[j] = r * cs + i * sn
-            I[j] = i * cs - r * sn
+            r, i = Re[j], Im[j]
+            Re[j] = r * cs + i * sn
+            Im[j] = i * cs - r * sn
 
 
 mix = compile_kernel(_mix)
@@ -171,8 +171,8 @@ def _low_pass(
 def _high_pass(
     re: Reals,
     im: Reals,
-    R: Reals,
-    I: Reals,  # noqa: E741
+    Re: Reals,
+    Im: Reals,
     c: Any,
     s: Any,
     low: int,
@@ -181,7 +181,7 @@ def _high_pass(
     a: int,
     b: int,
 ) -> None:
-    """Mix qubits low .. low + bits - 1, tile by tile of `width` columns, in the room R and I.
+    """Mix qubits low .. low + bits - 1, tile by tile of `width` columns, in the room Re and Im.
 
     Rows of a tile lie a power of two apart, in the same sets of the cache: hence the copy.
     """
@@ -190,13 +190,13 @@ def _high_pass(
         start = ((tile // per) << (low + bits)) + (tile % per) * width
         for row in range(rows):
             o = start + (row << low)
-            R[row * width : (row + 1) * width] = re[o : o + width]
-            I[row * width : (row + 1) * width] = im[o : o + width]
-        mix(R, I, c, s, width)
+            Re[row * width : (row + 1) * width] = re[o : o + width]
+            Im[row * width : (row + 1) * width] = im[o : o + width]
+        mix(Re, Im, c, s, width)
         for row in range(rows):
             o = start + (row << low)
-            re[o : o + width] = R[row * width : (row + 1) * width]
-            im[o : o + width] = I[row * width : (row + 1) * width]
+            re[o : o + width] = Re[row * width : (row + 1) * width]
+            im[o : o + width] = Im[row * width : (row + 1) * width]
 
 
 first_pass = compile_kernel(_first_pass)

@@ -12,7 +12,7 @@ import numpy as np
 from qrobot.backends.base import Capabilities
 from qrobot.backends.gates import memory
 from qrobot.backends.gates.form import Form
-from qrobot.backends.sampler import PickingSampler, check_finite, constant_samples
+from qrobot.backends.sampler import PickingSampler, check_finite, check_known, constant_samples
 from qrobot.backends.variational.ansatz import Ansatz, make_ansatz
 from qrobot.backends.variational.engine import Engine, PlainEngine, StateEngine, room
 from qrobot.backends.variational.facts import facts_of, ground, lengths
@@ -20,7 +20,7 @@ from qrobot.backends.variational.ising import terms
 from qrobot.backends.variational.options import Options
 from qrobot.backends.variational.remote import RemoteEngine
 from qrobot.backends.variational.search import Search
-from qrobot.errors import InputError, QRobotError, RemoteError
+from qrobot.errors import QRobotError, RemoteError
 from qrobot.remote import PARAMETERS, Estimate, check_budget
 from qrobot.remote import Options as Life
 from qrobot.remote.cost import FREE, together
@@ -161,13 +161,7 @@ class VariationalSampler(PickingSampler):
 
     def _asked(self, parameters: dict[str, Any]) -> tuple[Options, dict[str, Any], Life]:
         """Return the options of the search, of the SDK and of a remote job."""
-        unknown = sorted(set(parameters) - set(self.parameters))
-        if unknown:
-            raise InputError(
-                f"backend {self.name} takes no option {', '.join(unknown)}",
-                field="backend",
-                mend=f"it takes {', '.join(sorted(self.parameters))}",
-            )
+        check_known(self, parameters)
         own = {name: parameters.pop(name) for name in self.own if name in parameters}
         life = Life.take_from(parameters)
         if self.algorithm == "qaoa":
