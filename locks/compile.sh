@@ -26,8 +26,9 @@ everything=$work/everything.txt
 if [ -z "$upgrade" ]; then
   cat locks/*.txt >"$everything" 2>/dev/null || :
 fi
-compile everything pyproject.toml --all-extras --group build
+compile everything pyproject.toml --all-extras --group build --group image
 compile build --group build --constraint "$everything"
+compile image --group build --group image --constraint "$everything"
 compile base pyproject.toml --constraint "$everything"
 compile solver pyproject.toml --extra solver --constraint "$everything"
 compile edge pyproject.toml --extra edge --constraint "$everything"

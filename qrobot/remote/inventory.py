@@ -17,7 +17,8 @@ from qrobot.remote.store import default_path
 __all__ = ["BASE", "EXTRAS", "inventory", "inventory_text"]
 
 BASE = (
-    "click", "dimod", "dwave-neal", "dwave-samplers", "numpy", "psutil", "pydantic",
+    "click", "dimod", "dwave-neal", "dwave-samplers", "numpy", "prometheus-client",
+    "psutil", "pydantic",
     "vrplib",
 )  # fmt: skip
 """Distributions that every installation has."""
