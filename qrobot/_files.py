@@ -16,17 +16,31 @@ from pathlib import Path
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_BYTES", "StrPath", "read_text", "write_bytes_atomic", "write_text_atomic"]
+__all__ = [
+    "MAX_BYTES",
+    "NO_PERMISSION",
+    "StrPath",
+    "read_text",
+    "write_bytes_atomic",
+    "write_text_atomic",
+]
 
 StrPath = str | os.PathLike[str]
 
 MAX_BYTES = 200_000_000
 """Larger input files are refused: parsing one would exhaust the memory of a robot."""
 
+NO_PERMISSION = (
+    "run the container as yourself: docker run --user $(id -u):$(id -g) ..."
+    if os.environ.get("QROBOT_CONTAINER")  # our images set it
+    else "check the permissions, or choose another place"
+)
+"""What helps where a file or folder belongs to somebody else."""
+
 _MENDS = {
     errno.ENOENT: "check the path",
-    errno.EACCES: "check the permissions, or choose another place",
-    errno.EPERM: "check the permissions, or choose another place",
+    errno.EACCES: NO_PERMISSION,
+    errno.EPERM: NO_PERMISSION,
     errno.EROFS: "choose another place",
     errno.ENOSPC: "free some space, or choose another place",
     errno.EDQUOT: "free some space, or choose another place",

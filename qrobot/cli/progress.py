@@ -23,11 +23,15 @@ class ProgressLine:
         self.latest: Progress | None = None
         self.begun = time.perf_counter()
         self.live = sys.stderr.isatty()
-        self._done = threading.Event()
+        self._wake = threading.Event()
+        self._ended = False
 
     def __call__(self, progress: Progress) -> None:
-        """Take the latest progress."""
+        """Take the latest progress; the first plan is told at once."""
+        first = progress.cost is not None and (self.latest is None or self.latest.cost is None)
         self.latest = progress
+        if first:
+            self._wake.set()
 
     def text(self) -> str:
         """Return the line to show."""
@@ -40,7 +44,11 @@ class ProgressLine:
 
     def show(self) -> None:
         """Show progress until `end`; the body of the thread."""
-        while not self._done.wait(LIVE if self.live else PLAIN):
+        while True:
+            self._wake.wait(LIVE if self.live else PLAIN)
+            if self._ended:
+                return
+            self._wake.clear()
             if self.live:
                 sys.stderr.write(f"\r\x1b[K{self.text()}")
             else:
@@ -49,7 +57,8 @@ class ProgressLine:
 
     def end(self) -> None:
         """Stop showing and clear the line."""
-        self._done.set()
+        self._ended = True
+        self._wake.set()
 
 
 @contextmanager

@@ -77,11 +77,13 @@ def command(
 ) -> None:
     """Plan which robot collects which orders, in which sequence, by which way.
 
-    INSTANCE is a .json instance, a .csv of orders with a layout, or a CVRPLIB .vrp file.
+    INSTANCE is a .json instance, a .csv of orders with a layout, or a CVRPLIB .vrp file;
+    "example" is the small warehouse that comes with qRobot (example:NAME for the others).
     Every plan is verified by an independent checker. Ctrl-C keeps the best plan so far.
 
     \b
     Examples:
+      qrobot solve example
       qrobot solve examples/small-warehouse.json
       qrobot solve examples/small-warehouse.json -t 5 -o plan.json -p plan.svg -p plan.png
       qrobot solve examples/orders.csv --layout examples/layout.json

@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from qrobot._files import StrPath, read_text
+from qrobot._files import NO_PERMISSION, StrPath, read_text
 from qrobot.errors import InputError
 from qrobot.plan import Plan
 
@@ -37,7 +37,7 @@ def check_writable(path: StrPath) -> None:
         raise InputError(
             "may not be written",
             source=os.fspath(path),
-            mend="check the permissions, or choose another place",
+            mend=NO_PERMISSION,
         )
     if target.exists() and not target.is_file():
         return  # a device or pipe: written to directly
@@ -45,7 +45,7 @@ def check_writable(path: StrPath) -> None:
         raise InputError(
             f"the folder {os.fspath(folder)!r} may not be written",
             source=os.fspath(path),
-            mend="check the permissions, or choose another place",
+            mend=NO_PERMISSION,
         )
 
 

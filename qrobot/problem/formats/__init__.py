@@ -15,6 +15,7 @@ from pathlib import Path
 from qrobot._files import StrPath, write_text_atomic
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
+from qrobot.problem.shipped import example_path
 from qrobot.problem.units import exact
 
 __all__ = ["read", "write"]
@@ -33,7 +34,8 @@ def read(
     Parameters
     ----------
     path
-        A ``.json``, ``.csv`` or ``.vrp`` file.
+        A ``.json``, ``.csv`` or ``.vrp`` file, or ``example`` (``example:NAME``) for one that
+        comes with qRobot.
     layout
         The layout of CSV orders; by default ``<stem>.layout.json`` or ``layout.json``
         beside them.
@@ -54,6 +56,7 @@ def read(
     InputError
         One sentence with file, field, value and mend.
     """
+    path = example_path(path) or path
     try:
         instance = _read_file(path, layout, robots, capacity)
         # Found out now, while the file's name is at hand to tell.
