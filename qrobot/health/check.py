@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from qrobot._version import __version__
 
-__all__ = ["Check", "difference"]
+__all__ = ["PROFILES", "Check", "difference"]
+
+PROFILES = ("base", "solver", "edge", "full")
+"""What can be installed; each holds all of the one before."""
+
+FIRST_HELD = {
+    None: "base",
+    "planners": "solver",
+    "plot": "solver",
+    "qiskit": "edge",
+    "ibm": "edge",
+    "pennylane": "edge",
+    "braket": "edge",
+    "dwave": "edge",
+    "docplex": "edge",
+    "edge": "edge",
+    "science": "full",
+    "lab": "full",
+}
+"""The first profile that has an extra; a test holds it against ``pyproject.toml``."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +75,19 @@ class Check:
         """The name of the file, with dashes."""
         return self.module.rpartition(".")[2].replace("_", "-")
 
+    @property
+    def profile(self) -> str:
+        """The first profile that has the stack."""
+        return FIRST_HELD[self.extra]
+
+    def belongs(self, profile: str) -> bool:
+        """Return whether an installation of a profile has the stack."""
+        return PROFILES.index(self.profile) <= PROFILES.index(profile)
+
     def versions(self) -> dict[str, str]:
         """Return the versions of the distributions that are installed; nothing is imported."""
+        import importlib.metadata  # here: the processes of the checks need it not
+
         found: dict[str, str] = {}
         for name in self.distributions:
             try:

@@ -1,11 +1,13 @@
 """Answers from plain numpy: an Ising model by trying all, a circuit by multiplying matrices.
 
-Spin k of state s is +1 where bit k of s is 0, -1 where it is 1.
+Spin k of state s is +1 where bit k of s is 0, -1 where it is 1. Trips are tried one by one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,9 +25,11 @@ __all__ = [
     "energies",
     "ground_answer",
     "ground_expected",
+    "length",
     "lowest",
     "qaoa_energy",
     "qaoa_probabilities",
+    "shortest",
     "small_couplings",
     "small_fields",
 ]
@@ -128,3 +132,30 @@ def ground_answer(sampler: Any, **options: Any) -> list[float]:
 def ground_expected() -> list[float]:
     """Return the ground state energy, twice."""
     return [lowest()] * 2
+
+
+def length(trips: Iterable[Sequence[int]], between: Callable[[int, int], float]) -> float:
+    """Return the length of round trips that begin and end at spot 0."""
+    tours = ((0, *trip, 0) for trip in trips)
+    return float(sum(between(a, b) for tour in tours for a, b in itertools.pairwise(tour)))
+
+
+def shortest(weights: Sequence[int], room: int, between: Callable[[int, int], float]) -> float:
+    """Return the least length of two trips: every sequence, cut in two at every place.
+
+    Parameters
+    ----------
+    weights
+        Of spots 1, 2 and so on; spot 0 is the depot.
+    room
+        Largest weight of a trip.
+    between
+        Distance of two spots.
+    """
+    best = math.inf
+    for order in itertools.permutations(range(1, len(weights) + 1)):
+        for cut in range(len(order) + 1):
+            trips = (order[:cut], order[cut:])
+            if all(sum(weights[spot - 1] for spot in trip) <= room for trip in trips):
+                best = min(best, length(trips, between))
+    return best

@@ -1,138 +1,21 @@
-"""Runs a check in a process of its own, with a limit of time and of memory."""
+"""Runs checks, each in a process of its own, with a limit of time and of memory."""
 
 from __future__ import annotations
 
-import json
-import os
 import signal
-import subprocess
-import sys
-import time
-from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import ExitStack
+from threading import Event
 from typing import Any
 
-import psutil
-
+from qrobot.errors import InputError
 from qrobot.health.check import Check, difference
 from qrobot.health.model import CheckResult, Status
+from qrobot.health.place import ROOT, SECRET, own_folder
+from qrobot.health.process import Limits, Process
 
-__all__ = ["Limits", "run"]
-
-ROOT = Path(__file__).resolve().parents[2]
-"""The folder that holds qRobot."""
-
-POLL = 0.02
-"""Seconds between two looks at the process."""
-
-SECRET = ("AWS_", "DWAVE_", "QISKIT_IBM")
-"""Beginnings of variables that a check has no business to know: none of them asks a cloud."""
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What one check may take: wall-clock seconds, and MiB of resident memory.
-
-    The memory is watched, not limited by the kernel: an address space limit would refuse the
-    large reservations that numba, OpenBLAS and Rust make and never use.
-    """
-
-    seconds: float = 300.0
-    megabytes: float = 2048.0
-
-
-class _Process:
-    """A process under watch, and what it told before its end."""
-
-    def __init__(self, check: Check, limits: Limits) -> None:
-        self.limits = limits
-        self.told: dict[str, Any] = {}
-        self.peak = 0.0
-        self.overrun = ""
-        self._noise = self._lines = b""
-        reader, writer = os.pipe()
-        environment = {k: v for k, v in os.environ.items() if not k.startswith(SECRET)}
-        # All that we can import, and ourselves, but not the current folder.
-        environment["PYTHONPATH"] = os.pathsep.join([*filter(None, sys.path), str(ROOT)])
-        # -P: a file numpy.py in the folder that somebody happens to be in is not numpy.
-        command = [sys.executable, "-P", "-W", "ignore", "-m", "qrobot.health.worker"]
-        try:
-            self.process = subprocess.Popen(
-                [*command, check.module, str(writer)],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.PIPE,
-                pass_fds=[writer],
-                env=environment,
-                start_new_session=True,
-            )
-        except BaseException:
-            os.close(reader)
-            raise
-        finally:
-            os.close(writer)
-        self._reader = reader
-        assert self.process.stderr is not None
-        self._stderr = self.process.stderr.fileno()
-        os.set_blocking(self._stderr, False)
-        os.set_blocking(reader, False)
-
-    def wait(self) -> int:
-        """Watch until the end, return the exit code; nothing of the process is left behind."""
-        begun = time.monotonic()
-        try:
-            while self.process.poll() is None:
-                self._drain()
-                self._listen()
-                self.peak = max(self.peak, self._memory())
-                if self.peak > self.limits.megabytes:
-                    self.overrun = f"took more than {self.limits.megabytes:g} MB of memory"
-                elif time.monotonic() - begun > self.limits.seconds:
-                    self.overrun = f"took longer than {self.limits.seconds:g} s"
-                if self.overrun:
-                    break
-                time.sleep(POLL)
-        finally:
-            # The whole session: a check may have started processes, which outlive it.
-            with suppress(ProcessLookupError, PermissionError):
-                os.killpg(self.process.pid, signal.SIGKILL)
-            code = self.process.wait()
-            self._drain()
-            self._listen()
-            assert self.process.stderr is not None
-            self.process.stderr.close()
-            os.close(self._reader)
-        return code
-
-    def last_words(self) -> str:
-        """Return the last line of the standard error stream."""
-        lines = self._noise.decode(errors="replace").strip().splitlines()
-        return lines[-1].strip()[:500] if lines else ""
-
-    def _memory(self) -> float:
-        total = 0
-        with suppress(psutil.Error):
-            family = psutil.Process(self.process.pid)
-            for member in [family, *family.children(recursive=True)]:
-                with suppress(psutil.Error):
-                    total += member.memory_info().rss
-        return total / 2**20
-
-    def _drain(self) -> None:
-        with suppress(BlockingIOError):
-            while chunk := os.read(self._stderr, 65536):
-                self._noise = (self._noise + chunk)[-4096:]
-
-    def _listen(self) -> None:
-        with suppress(BlockingIOError):
-            while chunk := os.read(self._reader, 65536):
-                self._lines += chunk
-        *whole, self._lines = self._lines.split(b"\n")
-        for line in whole:
-            with suppress(ValueError):
-                self.told |= json.loads(line)
+__all__ = ["ROOT", "SECRET", "Limits", "run", "run_all"]
 
 
 def run(check: Check, limits: Limits | None = None) -> CheckResult:
@@ -145,12 +28,70 @@ def run(check: Check, limits: Limits | None = None) -> CheckResult:
     limits
         Of time and memory; by default 300 s and 2 GiB.
     """
+    return _run(check, limits or Limits(), Event())
+
+
+def run_all(
+    checks: Sequence[Check],
+    limits: Limits | None = None,
+    *,
+    jobs: int = 1,
+    progress: Callable[[Check], object] | None = None,
+) -> list[CheckResult]:
+    """Run checks, several at once; Ctrl-C ends them all and is raised.
+
+    Parameters
+    ----------
+    checks
+        What to run.
+    limits
+        Of time and memory, for each; by default 300 s and 2 GiB.
+    jobs
+        How many processes at once. Times are longer when they share a core.
+    progress
+        Called in this thread with each check as it begins.
+
+    Returns
+    -------
+    list of CheckResult
+        In the sequence of the checks.
+
+    Raises
+    ------
+    InputError
+        When `jobs` is less than one.
+    """
+    if jobs < 1:
+        raise InputError(f"cannot run {jobs} checks at once", field="jobs", mend="use 1 or more")
+    stop = Event()
+    limits = limits or Limits()
+    begun: list[Future[CheckResult]] = []
+    # A thread watches its process from birth to end: Linux tells a process of the death of the
+    # thread that started it, which must not come early.
+    with ThreadPoolExecutor(max_workers=jobs) as pool:
+        try:
+            for check in checks:
+                running = [future for future in begun if not future.done()]
+                if len(running) >= jobs:
+                    wait(running, return_when=FIRST_COMPLETED)
+                if progress is not None:
+                    progress(check)
+                begun.append(pool.submit(_run, check, limits, stop))
+            return [future.result() for future in begun]
+        except BaseException:
+            stop.set()
+            raise
+
+
+def _run(check: Check, limits: Limits, stop: Event) -> CheckResult:
     versions = check.versions()
     missing = [name for name in check.distributions if name not in versions]
     if missing:
         return _result(check, versions, "absent", _mend(check, missing))
-    process = _Process(check, limits or Limits())
-    code = process.wait()
+    watched = _watch(check, limits, stop)
+    if isinstance(watched, str):
+        return _result(check, versions, "error", watched)
+    process, code = watched
     told = process.told
     told["peak_mb"] = max(process.peak, told.get("peak_mb", 0.0)) or None
     if "expected" in told and code == 0:
@@ -159,15 +100,36 @@ def run(check: Check, limits: Limits | None = None) -> CheckResult:
     return _result(check, versions, "error", _why(process, code), told)
 
 
-def _why(process: _Process, code: int) -> str:
+def _watch(check: Check, limits: Limits, stop: Event) -> tuple[Process, int] | str:
+    """Return the process at its end and its exit code, or why there was none."""
+    with ExitStack() as stack:
+        try:
+            folder = stack.enter_context(own_folder())
+        except OSError as error:
+            return (
+                f"no temporary folder can be made for it ({error.strerror or error}): make room, "
+                "or set TMPDIR to a folder that takes files"
+            )
+        try:
+            process = Process(check, limits, folder)
+        except OSError as error:
+            return f"no process can be started for it: {error.strerror or error}"
+        return process, process.wait(stop)
+
+
+def _why(process: Process, code: int) -> str:
     """Say why there is no answer."""
     told = process.told
     steps = {"expected": "its end", "import_seconds": "its computation"}
     phase = next((name for key, name in steps.items() if key in told), "its import")
     if process.overrun:
         return f"{phase} {process.overrun} and was stopped"
+    starved = "the machine ran out of memory and killed processes" if process.starved else ""
     if "error" in told:
-        return f"{phase} failed: {told['error']}"
+        return f"{phase} failed: {told['error']}{starved and f'; {starved}'}"
+    if code == -signal.SIGKILL:
+        reason = starved or "perhaps the machine is out of memory"
+        return f"{phase} was ended by SIGKILL ({reason})"
     if code < 0:
         return f"{phase} was ended by {_signal(-code)}"
     words = process.last_words()
@@ -176,11 +138,9 @@ def _why(process: _Process, code: int) -> str:
 
 def _signal(number: int) -> str:
     try:
-        name = signal.Signals(number).name
+        return signal.Signals(number).name
     except ValueError:
         return f"signal {number}"
-    hints = {"SIGKILL": " (perhaps the machine is out of memory)"}
-    return name + hints.get(name, "")
 
 
 def _mend(check: Check, missing: Sequence[str]) -> str:

@@ -6,7 +6,6 @@ the runner knows how far a process came that is no more.
 
 from __future__ import annotations
 
-import ctypes
 import importlib
 import json
 import os
@@ -14,8 +13,11 @@ import resource
 import signal
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+from qrobot.health.wheel import unfit
 
 __all__ = ["main"]
 
@@ -45,31 +47,36 @@ def main() -> None:
         tell(error="out of memory")
     except Exception as error:
         text = " ".join(str(error).split())
-        tell(error=f"{type(error).__name__}: {text}"[:2000])
+        wheel = unfit(error)
+        tell(error=f"{type(error).__name__}: {text}"[:2000] + (f" ({wheel})" if wheel else ""))
 
 
 def _behave() -> None:
-    """Leave no core dump, die with the runner, and be the first that a full machine kills."""
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        try:
-            Path("/proc/self/oom_score_adj").write_text("1000")
-        except OSError:
-            return  # some containers forbid it; the kernel then chooses by size
+    """Leave no core dump, die with the runner, and be the first that a full machine kills.
+
+    An emulator or a container may know or allow none of it; then the check runs without.
+    """
+    with suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    with suppress(ImportError, OSError, AttributeError):
+        import ctypes
+
+        if sys.platform == "linux":
+            ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    with suppress(OSError):  # without it the kernel chooses by size
+        Path("/proc/self/oom_score_adj").write_text("1000")
 
 
 def _peak() -> float:
     """Return the largest resident memory of this program in MiB.
 
-    `getrusage` would do, but on Linux it starts at the size of who started us.
+    `getrusage` would do, but on Linux it starts at the size of who started us. Under an emulator
+    of processes (qemu-user) it is the emulator's memory, program and translations together.
     """
-    try:
+    with suppress(OSError, ValueError):
         for line in Path("/proc/self/status").read_text().splitlines():
             if line.startswith("VmHWM:"):
                 return int(line.split()[1]) / 1024
-    except OSError:
-        pass
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 

@@ -10,6 +10,8 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 Spoil = Callable[[Any], Any]
 
 
@@ -91,6 +93,64 @@ def longer(result: Any) -> Any:
     return dataclasses.replace(result, plan=plan)
 
 
+def with_a_constant(program: Any) -> Any:
+    program.objective.constant += 1e-3
+    return program
+
+
+def stronger(original: Any) -> Any:
+    """Make every value of a Braket time series a fifth larger."""
+    return lambda self, time, value: original(self, time, value * 1.2)
+
+
+def with_other_energies(found: dict[str, Any]) -> dict[str, Any]:
+    return found | {"energies": [energy + 1e-3 for energy in found["energies"]]}
+
+
+def with_worse_samples(state: Any) -> Any:
+    return state.updated(samples=worse(state.samples))
+
+
+def with_one_more(original: Any) -> Any:
+    """Minimize something that is one too much."""
+    return lambda self, symbol: original(self, symbol + self.constant(1))
+
+
+def compiled_wrong(original: Any) -> Any:
+    def compiled(function: Any) -> Any:
+        return after(lambda sums: tuple(total * 1.001 for total in sums))(original(function))
+
+    return compiled
+
+
+class Farther:
+    """A result of PyVRP that tells one metre too much."""
+
+    def __init__(self, result: Any) -> None:
+        self.best, self.result = self, result
+
+    def distance(self) -> int:
+        return int(self.result.best.distance()) + 1
+
+    def routes(self) -> Any:
+        return self.result.best.routes()
+
+
+def one_above(original: property) -> property:
+    assert original.fget is not None
+    return property(after(lambda value: value + 1)(original.fget))
+
+
+def without_a_cell(notebook: Any) -> Any:
+    del notebook.cells[-1]
+    return notebook
+
+
+def with_another_value(notebook: Any) -> Any:
+    notebook.cells[-1].outputs[0]["data"]["text/plain"] = "2521"
+    return notebook
+
+
 SABOTAGE: dict[str, tuple[str, Spoil]] = {
     # check: (module:attribute.path, how)
     "numpy": ("numpy.linalg:eigvalsh", after(lambda values: values * 1.001)),
@@ -117,4 +177,36 @@ SABOTAGE: dict[str, tuple[str, Spoil]] = {
     "braket": ("braket.circuits:Circuit.rx", turned_method),
     "pennylane-braket": ("pennylane:RX", turned),
     "qrobot": ("qrobot:solve", after(longer)),
+    "qiskit-finance": (
+        "qiskit_finance.applications.optimization:PortfolioOptimization.to_quadratic_program",
+        after(with_a_constant),
+    ),
+    "qiskit-nature": (
+        "qiskit_nature.second_q.mappers:JordanWignerMapper.map",
+        after(lambda operator: operator * 1.001),
+    ),
+    "qiskit-machine-learning": (
+        "qiskit_machine_learning.kernels:FidelityStatevectorKernel.evaluate",
+        after(lambda kernel: kernel * 1.001),
+    ),
+    "braket-ahs": ("braket.timings:TimeSeries.put", stronger),
+    "numba": ("numba:njit", compiled_wrong),
+    "dwave-cloud": ("dwave.cloud.coders:decode_qp_numpy", after(with_other_energies)),
+    "dwave-hybrid": ("hybrid:ArgMin.next", after(with_worse_samples)),
+    "dwave-optimization": ("dwave.optimization:Model.minimize", with_one_more),
+    "pyvrp": ("pyvrp:Model.solve", after(Farther)),
+    "ortools": ("ortools.sat.python.cp_model:CpSolver.objective_value", one_above),
+    "matplotlib": (
+        "matplotlib.backends.backend_agg:FigureCanvasAgg.buffer_rgba",
+        after(lambda pixels: np.asarray(pixels) // 2),
+    ),
+    "tensorflow": ("tensorflow:GradientTape.gradient", after(lambda slope: slope * 1.001)),
+    "litert": (
+        "ai_edge_litert.interpreter:Interpreter.get_tensor",
+        after(lambda values: values * 1.001),
+    ),
+    "pyscf": ("pyscf.gto:Mole.energy_nuc", after(lambda energy: energy * 1.001)),
+    "h5py": ("h5py:Dataset.__getitem__", after(lambda values: values * (1 + 1e-12))),
+    "jupyter": ("nbclient:NotebookClient.execute", after(with_another_value)),
+    "jupytext": ("jupytext:reads", after(without_a_cell)),
 }

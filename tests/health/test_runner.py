@@ -1,67 +1,19 @@
-"""Whatever a check does, the result says so, and the checks beside it are unharmed."""
+"""One check in its process: its figures, its crashes by name, what it sees and what it cannot."""
 
 from __future__ import annotations
 
-import json
 import os
-import textwrap
-from collections.abc import Callable
 from pathlib import Path
 
-import psutil
 import pytest
-from click.testing import CliRunner
+from health.planted import Plant, planter
 
-import qrobot.health
-from qrobot.cli.health import command
-from qrobot.health import Check, Limits, run
-
-Plant = Callable[..., Check]
-
-SOURCE = """
-from qrobot.health.check import Check
-{top}
-def answer():
-{body}
-
-CHECK = Check(
-    module=__name__, title="planted", group="base", imports={imports!r},
-    distributions={distributions!r}, answer=answer, expected=lambda: [1.0], source="planted",
-)
-"""
+from qrobot.health import run
 
 
 @pytest.fixture
 def plant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plant:
-    monkeypatch.syspath_prepend(str(tmp_path))
-
-    def make(
-        name: str,
-        body: str,
-        *,
-        top: str = "",
-        imports: tuple[str, ...] = (),
-        distributions: tuple[str, ...] = ("numpy",),
-    ) -> Check:
-        source = SOURCE.format(
-            top=top,
-            body=textwrap.indent(textwrap.dedent(body).strip(), "    "),
-            imports=imports,
-            distributions=distributions,
-        )
-        (tmp_path / f"planted_{name}.py").write_text(source)
-        return Check(
-            module=f"planted_{name}",
-            title="planted",
-            group="base",
-            imports=imports,
-            distributions=distributions,
-            answer=list,  # what counts is the file
-            expected=list,
-            source="planted",
-        )
-
-    return make
+    return planter(tmp_path, monkeypatch)
 
 
 def test_a_right_answer_passes_with_all_its_figures(plant: Plant) -> None:
@@ -106,55 +58,6 @@ CRASHES = {
 }
 
 
-HOG = """
-import time
-held = []
-for _ in range(25):
-    held.append(b"x" * 2**24)
-    time.sleep(0.01)
-time.sleep(600)
-"""
-
-
-def test_a_run_goes_on_whatever_one_check_does(
-    plant: Plant, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    planted = [
-        plant("first", "return [1.0]"),
-        plant("segfault", CRASHES["segfault"][0]),
-        plant("illegal", CRASHES["illegal"][0]),
-        plant("hang", "import time\nwhile True: time.sleep(60)"),
-        plant("hog", HOG),
-        plant("missing", "return [1.0]", distributions=("numpy", "qrobot-no-such-thing")),
-        plant("wrong", "return [2.0]"),
-        plant("last", "return [1.0]"),
-    ]
-    special = {"planted-hang": Limits(seconds=2), "planted-hog": Limits(megabytes=200)}
-    monkeypatch.setattr(qrobot.health, "choose", lambda names, quick: planted)
-    monkeypatch.setattr(
-        qrobot.health, "run", lambda check, limits: run(check, special.get(check.name, limits))
-    )
-    done = CliRunner().invoke(command, ["--json"])
-    assert done.exit_code == 1
-    checks = {check["name"]: check for check in json.loads(done.stdout)["checks"]}
-    assert {name: check["status"] for name, check in checks.items()} == {
-        "planted-first": "pass",
-        "planted-segfault": "error",
-        "planted-illegal": "error",
-        "planted-hang": "error",
-        "planted-hog": "error",
-        "planted-missing": "absent",
-        "planted-wrong": "fail",
-        "planted-last": "pass",
-    }
-    assert "took longer than 2 s and was stopped" in checks["planted-hang"]["message"]
-    memory = "its computation took more than 200 MB of memory and was stopped"
-    assert checks["planted-hog"]["message"] == memory
-    assert checks["planted-hog"]["peak_mb"] > 200
-    assert "qrobot-no-such-thing not installed" in checks["planted-missing"]["message"]
-    assert checks["planted-missing"]["peak_mb"] is None
-
-
 @pytest.mark.parametrize("crash", CRASHES)
 def test_a_crash_of_the_computation_is_named(plant: Plant, crash: str) -> None:
     body, told = CRASHES[crash]
@@ -183,13 +86,6 @@ def test_a_crash_after_the_answer_is_no_pass(plant: Plant) -> None:
     assert found.answer == (1.0,)
 
 
-def test_a_broken_wheel_is_an_error_and_no_absence(plant: Plant) -> None:
-    found = run(plant("broken", "return [1.0]", imports=("numpy.no_such_part",)))
-    assert found.status == "error"
-    assert "its import failed: ModuleNotFoundError" in found.message
-    assert "numpy" in found.versions
-
-
 def test_a_long_answer_is_no_hang(plant: Plant) -> None:
     found = run(plant("long", "return [1.5] * 10**5"))
     assert found.status == "fail"
@@ -205,24 +101,6 @@ def test_noise_of_an_sdk_harms_nothing(plant: Plant) -> None:
         return [1.0]
     """
     assert run(plant("noise", body)).status == "pass"
-
-
-def test_processes_that_a_check_left_are_ended(plant: Plant, tmp_path: Path) -> None:
-    note = tmp_path / "pid"
-    body = f"""
-        import pathlib, subprocess
-        child = subprocess.Popen(["sleep", "600"])
-        pathlib.Path({str(note)!r}).write_text(str(child.pid))
-        child.returncode = 0  # no word at the end that it still runs
-        return [1.0]
-    """
-    assert run(plant("parent", body)).status == "pass"
-    try:
-        left = psutil.Process(int(note.read_text()))
-        if left.status() != psutil.STATUS_ZOMBIE:  # where nobody collects the dead
-            left.wait(timeout=30)
-    except psutil.NoSuchProcess:
-        pass
 
 
 def test_no_credential_reaches_a_check(plant: Plant, monkeypatch: pytest.MonkeyPatch) -> None:

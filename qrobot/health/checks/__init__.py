@@ -10,11 +10,11 @@ import pkgutil
 from collections.abc import Sequence
 
 from qrobot.errors import InputError
-from qrobot.health.check import Check
+from qrobot.health.check import PROFILES, Check
 
 __all__ = ["all_checks", "choose"]
 
-GROUPS = ("base", "annealing", "gate model", "modelling", "solver")
+GROUPS = ("base", "annealing", "gate model", "modelling", "solver", "science", "lab")
 """In the sequence that they are shown in."""
 
 
@@ -28,17 +28,34 @@ def all_checks() -> dict[str, Check]:
     return {check.name: check for check in found}
 
 
-def choose(names: Sequence[str] = (), *, quick: bool = False) -> list[Check]:
-    """Return the checks of these names, each once, or all (quick) ones when none is named.
+def choose(
+    names: Sequence[str] = (), *, quick: bool = False, profile: str | None = None
+) -> list[Check]:
+    """Return the checks of these names, each once, or all when none is named.
+
+    Parameters
+    ----------
+    names
+        Of checks; then neither of the others may be given.
+    quick
+        Only those that are cheap.
+    profile
+        Only those of stacks that an installation of this profile must have: base, solver, edge
+        or full, each holding the one before. None for all stacks, installed or not.
 
     Raises
     ------
     InputError
-        When there is no check of a name, or the choice is made twice.
+        When there is no check or profile of a name, or the choice is made twice.
     """
-    if names and quick:
+    for given, option in ((quick, "--quick"), (profile is not None, "--profile")):
+        if names and given:
+            raise InputError(
+                f"{option} chooses the checks itself", field="NAMES", mend="leave one of both out"
+            )
+    if profile is not None and profile not in PROFILES:
         raise InputError(
-            "--quick chooses the checks itself", field="NAMES", mend="leave one of both out"
+            f"{profile!r} is no profile", field="profile", mend=f"use one of: {', '.join(PROFILES)}"
         )
     known = all_checks()
     for name in names:
@@ -47,4 +64,8 @@ def choose(names: Sequence[str] = (), *, quick: bool = False) -> list[Check]:
                 f"{name!r} is no check", field="NAMES", mend=f"use some of: {', '.join(known)}"
             )
     chosen = [known[name] for name in dict.fromkeys(names)] or list(known.values())
-    return [check for check in chosen if check.quick or not quick]
+    return [
+        check
+        for check in chosen
+        if (check.quick or not quick) and (profile is None or check.belongs(profile))
+    ]

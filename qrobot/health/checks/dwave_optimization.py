@@ -1,0 +1,55 @@
+"""dwave-optimization: a nonlinear model of a round trip, its length for every sequence."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+from typing import Any
+
+import numpy as np
+
+from qrobot.health.check import Check
+
+WAYS = ((0, 7, 3, 9, 4), (7, 0, 5, 2, 8), (3, 5, 0, 6, 1), (9, 2, 6, 0, 7), (4, 8, 1, 7, 0))
+STOPS, LIMIT = len(WAYS), 20
+
+
+def answer() -> list[float]:
+    """Return the round trip's length, and whether it keeps the limit, of all sequences."""
+    optimization: Any = importlib.import_module("dwave.optimization")
+    model = optimization.Model()
+    ways = model.constant(np.array(WAYS, dtype=float))
+    sequence = model.list(STOPS)
+    length = ways[sequence[:-1], sequence[1:]].sum() + ways[sequence[-1], sequence[0]]
+    model.minimize(length)
+    short = model.add_constraint(length <= model.constant(LIMIT))
+    orders = list(itertools.permutations(range(STOPS)))
+    numbers: list[float] = []
+    with model.lock():
+        model.states.resize(len(orders))
+        for k, order in enumerate(orders):
+            sequence.set_state(k, order)
+            numbers += [float(model.objective.state(k)), float(short.state(k))]
+    return numbers
+
+
+def expected() -> list[float]:
+    """Return the same by arithmetic."""
+    numbers: list[float] = []
+    for order in itertools.permutations(range(STOPS)):
+        length = sum(WAYS[a][b] for a, b in itertools.pairwise((*order, order[0])))
+        numbers += [float(length), float(length <= LIMIT)]
+    return numbers
+
+
+CHECK = Check(
+    module=__name__,
+    title="a nonlinear model, every sequence",
+    group="annealing",
+    imports=("dwave.optimization",),
+    distributions=("dwave-optimization",),
+    answer=answer,
+    expected=expected,
+    source="arithmetic in plain Python",
+    extra="dwave",
+)

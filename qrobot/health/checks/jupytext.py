@@ -1,0 +1,54 @@
+"""jupytext: a script to a notebook and back."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from qrobot.health.check import Check
+
+SCRIPT = """\
+# %% [markdown]
+# A title
+
+# %%
+x = 6
+y = 7
+
+# %% tags=["last"]
+print(x * y)
+"""
+
+
+def answer() -> list[float]:
+    """Return the cells, those that are code, lines of code, tags, and lines that changed."""
+    jupytext: Any = importlib.import_module("jupytext")
+    notebook = jupytext.reads(SCRIPT, fmt="py:percent")
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    back = jupytext.writes(notebook, fmt="py:percent")
+    kept = [line for line in SCRIPT.splitlines() if line in back.splitlines()]
+    return [
+        len(notebook.cells),
+        len(code),
+        sum(len(cell.source.splitlines()) for cell in code),
+        sum(len(cell.metadata.get("tags", ())) for cell in notebook.cells),
+        len(SCRIPT.splitlines()) - len(kept),
+    ]
+
+
+def expected() -> list[float]:
+    """Return what the script shows to the eye."""
+    return [3, 2, 3, 1, 0]
+
+
+CHECK = Check(
+    module=__name__,
+    title="a script to a notebook and back",
+    group="lab",
+    imports=("jupytext",),
+    distributions=("jupytext",),
+    answer=answer,
+    expected=expected,
+    source="counting",
+    extra="lab",
+)

@@ -1,0 +1,45 @@
+"""numba: machine code made for this processor."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from qrobot.health.check import Check
+
+COUNT = 1000
+
+
+def answer() -> list[float]:
+    """Return sums of squares, and of roots' squares, by a compiled loop."""
+    numba: Any = importlib.import_module("numba")
+
+    @numba.njit  # type: ignore[untyped-decorator]
+    def sums(count: int) -> tuple[float, float]:
+        whole = broken = 0.0
+        for k in range(count):
+            whole += k * k
+            broken += (k**0.5) ** 2
+        return whole, broken
+
+    return list(sums(COUNT))
+
+
+def expected() -> list[float]:
+    """Return the closed forms."""
+    n = COUNT
+    return [(n - 1) * n * (2 * n - 1) / 6, (n - 1) * n / 2]
+
+
+CHECK = Check(
+    module=__name__,
+    title="a compiled loop",
+    group="gate model",
+    imports=("numba",),
+    distributions=("numba", "llvmlite"),
+    answer=answer,
+    expected=expected,
+    source="closed forms of the sums",
+    tolerance=1e-6,
+    extra="braket",
+)

@@ -1,0 +1,199 @@
+"""A check's process under watch: its time, its memory, what it tells, and its end."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import psutil
+
+from qrobot.health.check import Check
+from qrobot.health.place import environment
+
+__all__ = ["Limits", "Process"]
+
+POLL = 0.02
+"""Seconds between two looks at the process."""
+
+MARK = "QROBOT_HEALTH_CHECK"
+"""A variable that a check's children inherit, by which they are found wherever they went."""
+
+VMSTAT = Path("/proc/vmstat")
+"""Where Linux counts the processes that it killed for want of memory."""
+
+LOST = (psutil.Error, OSError)
+"""What psutil raises of a process that is gone, foreign, or oddly emulated."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one check may take: wall-clock seconds, and MiB of resident memory.
+
+    The memory is watched, not limited by the kernel: an address space limit would refuse the
+    large reservations that numba, OpenBLAS and Rust make and never use.
+    """
+
+    seconds: float = 300.0
+    megabytes: float = 2048.0
+
+
+class Process:
+    """A process under watch, and what it told before its end.
+
+    Parameters
+    ----------
+    check
+        What to run; its `module` is imported anew in there.
+    limits
+        Of time and memory; its children's memory counts.
+    folder
+        Its own, which it runs in.
+
+    Attributes
+    ----------
+    told
+        What it told so far.
+    peak
+        Largest resident memory that was seen, in MiB.
+    overrun
+        The limit that it broke, as a clause, or ``""``.
+    starved
+        Whether the machine killed processes for want of memory meanwhile.
+
+    Raises
+    ------
+    OSError
+        When it cannot be started.
+    """
+
+    def __init__(self, check: Check, limits: Limits, folder: Path) -> None:
+        self.limits = limits
+        self.told: dict[str, Any] = {}
+        self.peak = 0.0
+        self.overrun = ""
+        self.starved = False
+        self._noise = self._lines = b""
+        self._mark = folder.name
+        self._kills = _out_of_memory_kills()
+        reader, writer = os.pipe()
+        # -P: a file numpy.py in the folder that somebody happens to be in is not numpy.
+        command = [sys.executable, "-P", "-W", "ignore", "-m", "qrobot.health.worker"]
+        try:
+            self.process = subprocess.Popen(
+                [*command, check.module, str(writer)],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                pass_fds=[writer],
+                cwd=folder,
+                env=environment(folder) | {MARK: self._mark},
+                start_new_session=True,
+            )
+        except BaseException:
+            os.close(reader)
+            raise
+        finally:
+            os.close(writer)
+        self._reader = reader
+        assert self.process.stderr is not None
+        self._stderr = self.process.stderr.fileno()
+        os.set_blocking(self._stderr, False)
+        os.set_blocking(reader, False)
+
+    def wait(self, stop: Event) -> int:
+        """Watch until the end or a stop, return the exit code; nothing of it is left behind."""
+        begun = time.monotonic()
+        try:
+            while self.process.poll() is None and not stop.is_set():
+                self._drain()
+                self._listen()
+                self.peak = max(self.peak, self._memory())
+                if self.peak > self.limits.megabytes:
+                    self.overrun = f"took more than {self.limits.megabytes:g} MB of memory"
+                elif time.monotonic() - begun > self.limits.seconds:
+                    self.overrun = f"took longer than {self.limits.seconds:g} s"
+                if self.overrun:
+                    break
+                time.sleep(POLL)
+        finally:
+            self._end()
+            code = self.process.wait()
+            self.starved = _out_of_memory_kills() > self._kills
+            self._drain()
+            self._listen()
+            assert self.process.stderr is not None
+            self.process.stderr.close()
+            os.close(self._reader)
+        return code
+
+    def last_words(self) -> str:
+        """Return the last line of the standard error stream."""
+        lines = self._noise.decode(errors="replace").strip().splitlines()
+        return lines[-1].strip()[:500] if lines else ""
+
+    def _end(self) -> None:
+        """Kill its session, and what it started and sent into sessions of their own."""
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        for _ in range(3):  # what is born while we look is found by looking again
+            left = [process for process in psutil.process_iter() if self._is_ours(process)]
+            for process in left:
+                with suppress(*LOST):
+                    process.kill()
+            psutil.wait_procs(left, timeout=1)
+            if not left:
+                break
+
+    def _is_ours(self, process: psutil.Process) -> bool:
+        with suppress(*LOST):
+            ours = process.environ().get(MARK) == self._mark
+            return ours and process.pid != self.process.pid
+        return False
+
+    def _memory(self) -> float:
+        total = 0
+        with suppress(*LOST):
+            family = psutil.Process(self.process.pid)
+            for member in [family, *family.children(recursive=True)]:
+                with suppress(*LOST):
+                    total += member.memory_info().rss
+        return total / 2**20
+
+    def _drain(self) -> None:
+        for chunk in _waiting(self._stderr):
+            self._noise = (self._noise + chunk)[-4096:]
+
+    def _listen(self) -> None:
+        self._lines += b"".join(_waiting(self._reader))
+        *whole, self._lines = self._lines.split(b"\n")
+        for line in whole:
+            with suppress(ValueError):
+                self.told |= json.loads(line)
+
+
+def _waiting(pipe: int) -> Iterator[bytes]:
+    """Give what is in a pipe; not without end, or who writes without end is never stopped."""
+    with suppress(BlockingIOError):
+        for _ in range(64):
+            chunk = os.read(pipe, 65536)
+            if not chunk:
+                return
+            yield chunk
+
+
+def _out_of_memory_kills() -> int:
+    with suppress(OSError, ValueError):
+        for line in VMSTAT.read_text().splitlines():
+            if line.startswith("oom_kill "):
+                return int(line.split()[1])
+    return 0
