@@ -1,0 +1,183 @@
+"""What the notebooks of `healthchecks/` show: tables, small pictures and the verdict.
+
+In a notebook they are displayed, in a plain script printed.
+"""
+
+from __future__ import annotations
+
+import html
+import importlib
+import io
+import itertools
+import math
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from qrobot.health.check import Check, difference
+
+__all__ = ["VERDICT", "Table", "draw", "table", "verdict"]
+
+VERDICT = "application/vnd.qrobot.verdict+json"
+"""The kind of output that holds a verdict's numbers for a program, as text (nan has no JSON)."""
+
+
+class Table:
+    """Rows under heads; numbers stand on the right, six digits of them."""
+
+    def __init__(self, heads: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+        self.heads = list(heads)
+        self.cells = [[_text(cell) for cell in row] for row in rows]
+        self.right = [
+            all(_is_number(row[k]) for row in rows) and bool(rows) for k in range(len(heads))
+        ]
+
+    def __str__(self) -> str:
+        lines = [self.heads, *self.cells]
+        widths = [max(len(line[k]) for line in lines) for k in range(len(self.heads))]
+        return "\n".join(
+            "  ".join(
+                cell.rjust(width) if right else cell.ljust(width)
+                for cell, width, right in zip(line, widths, self.right, strict=True)
+            ).rstrip()
+            for line in lines
+        )
+
+    __repr__ = __str__  # what a terminal shows of an executed notebook
+
+    def _repr_html_(self) -> str:
+        def row(tag: str, cells: Sequence[str]) -> str:
+            sides = ["right" if right else "left" for right in self.right]
+            return "".join(
+                f'<{tag} style="text-align:{side}">{html.escape(cell)}</{tag}>'
+                for cell, side in zip(cells, sides, strict=True)
+            )
+
+        lines = [row("th", self.heads), *(row("td", cells) for cells in self.cells)]
+        return "<table>" + "".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
+
+
+class _Verdict:
+    """An answer beside the expected one, and what comes of it."""
+
+    def __init__(
+        self,
+        check: Check,
+        answer: Sequence[float],
+        expected: Sequence[float],
+        labels: Sequence[str],
+        seconds: float,
+    ) -> None:
+        self.wrong = difference(answer, expected, check.tolerance)
+        names = itertools.chain(labels, (f"number {k}" for k in itertools.count(len(labels) + 1)))
+        rows = [
+            (next(names), got, wanted, f"{abs(got - wanted):.1e}")
+            for got, wanted in itertools.zip_longest(answer, expected, fillvalue=math.nan)
+        ]
+        self.table = Table(["", "answer", "expected", "difference"], rows)
+        how = f"{check.name}, {seconds:.2f} s, expected from: {check.source}"
+        self.words = (
+            f"WRONG: {self.wrong} ({how})"
+            if self.wrong
+            else f"PASS: every difference is within {check.tolerance:g} ({how})"
+        )
+        self.data = {
+            "check": check.name,
+            "answer": [repr(number) for number in answer],
+            "expected": [repr(number) for number in expected],
+            "run_seconds": seconds,
+        }
+
+    def __str__(self) -> str:
+        return f"{self.table}\n{self.words}"
+
+    def _repr_mimebundle_(self, **_: object) -> dict[str, object]:
+        color = "#b00020" if self.wrong else "#1b6e2f"
+        words = f'<p style="color:{color}"><b>{html.escape(self.words)}</b></p>'
+        return {
+            "text/plain": str(self),
+            "text/html": self.table._repr_html_() + words,
+            VERDICT: self.data,
+        }
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+    """Show a table: a head for every column, and the rows."""
+    _show(Table(heads, rows))
+
+
+def draw(picture: Callable[[Any], object], *, size: tuple[float, float] = (5.0, 2.2)) -> None:
+    """Show a small picture, where matplotlib is installed.
+
+    Parameters
+    ----------
+    picture
+        Draws on the matplotlib axes that it is given.
+    size
+        Width and height in inches.
+    """
+    try:
+        figures: Any = importlib.import_module("matplotlib.figure")
+    except ImportError:
+        print("(with matplotlib there would be a picture here)")  # noqa: T201
+        return
+    figure = figures.Figure(figsize=size, layout="constrained")
+    picture(figure.add_subplot())
+    if _display() is None:
+        print("(a notebook shows a picture here)")  # noqa: T201
+        return
+    data = io.BytesIO()
+    figure.savefig(data, format="png", dpi=100)
+    _show(importlib.import_module("IPython.display").Image(data.getvalue()))
+
+
+def verdict(check: Check, labels: Sequence[str] = ()) -> None:
+    """Let the stack compute, show its answer beside the expected one, and judge.
+
+    These are the check's own functions, the same that ``qrobot health`` runs.
+
+    Parameters
+    ----------
+    check
+        What to run.
+    labels
+        Names of the first numbers of the answer.
+
+    Raises
+    ------
+    AssertionError
+        When the answer is wrong: the notebook has failed.
+    """
+    begun = time.perf_counter()
+    answer = [float(number) for number in check.answer()]
+    seconds = time.perf_counter() - begun
+    expected = [float(number) for number in check.expected()]
+    found = _Verdict(check, answer, expected, labels, seconds)
+    _show(found)
+    if found.wrong:
+        raise AssertionError(found.wrong)
+
+
+def _show(thing: object) -> None:
+    display = _display()
+    if display is None:
+        print(thing)  # noqa: T201
+    else:
+        display(thing)
+
+
+def _display() -> Any:
+    """Return what displays in a notebook, None in a plain script."""
+    ipython: Any = sys.modules.get("IPython")  # a notebook has imported it
+    if ipython is None or ipython.get_ipython() is None:
+        return None
+    return importlib.import_module("IPython.display").display
+
+
+def _is_number(cell: object) -> bool:
+    return isinstance(cell, int | float)
+
+
+def _text(cell: object) -> str:
+    return f"{cell:.6g}" if isinstance(cell, float) else str(cell)
