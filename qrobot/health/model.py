@@ -1,22 +1,25 @@
-"""What a check found: one model for the terminal, JSON and every report to come."""
+"""What was found: one model for the terminal, JSON and every other face."""
 
 from __future__ import annotations
 
 import math
-import platform
-from collections.abc import Sequence
+from collections import Counter
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from qrobot._version import __version__
-
-__all__ = ["SCHEMA", "CheckResult", "Status", "report"]
+__all__ = ["SCHEMA", "CheckResult", "Finding", "Report", "Standing", "Status", "Value"]
 
 SCHEMA = "qrobot.health/1"
 """Name and version of the JSON; the number rises when a field changes its meaning or goes."""
 
 Status = Literal["pass", "fail", "absent", "error"]
 """Right, wrong, not installed, or no answer at all (it crashed, hung, took too much memory)."""
+
+Standing = Literal["good", "warning", "fault", "unknown"]
+"""Fine; worth a look; qRobot cannot work here; could not be told."""
+
+Value = bool | int | float | str | tuple[str, ...] | None
+"""What a finding may hold."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,8 @@ class CheckResult:
     peak_mb
         Largest resident memory in MiB; for a process that was killed, the largest seen.
     answer, expected
-        What the stack computed, and what it should have.
+        What the stack computed, and what it should have; in a report that was read, a number
+        that was not finite is None.
     tolerance
         Largest allowed absolute difference of any of the numbers.
     message
@@ -52,8 +56,8 @@ class CheckResult:
     import_seconds: float | None
     run_seconds: float | None
     peak_mb: float | None
-    answer: tuple[float, ...] | None
-    expected: tuple[float, ...] | None
+    answer: tuple[float | None, ...] | None
+    expected: tuple[float | None, ...] | None
     tolerance: float
     message: str
 
@@ -65,18 +69,154 @@ class CheckResult:
         }
 
 
-def report(results: Sequence[CheckResult]) -> dict[str, Any]:
-    """Return results as the document that ``qrobot health --json`` prints."""
-    return {
-        "schema": SCHEMA,
-        "qrobot": __version__,
-        "python": platform.python_version(),
-        "machine": platform.machine(),
-        "checks": [result.to_dict() for result in results],
-    }
+@dataclass(frozen=True)
+class Finding:
+    """One fact about the machine, and whether qRobot can live with it.
+
+    Parameters
+    ----------
+    name, title
+        For programs, and for people.
+    status
+        ``good``, ``warning``: worth a look, never changes the exit code. ``fault``: qRobot
+        cannot work here. ``unknown``: could not be told.
+    value
+        For programs: a number, a text, a yes or no, a list of words; None when unknown.
+    message
+        What it means, with the mend, as one clause.
+    unit
+        Of a number: ``MiB``, ``°C``, ``bytes``, ``hex`` for a number of bits; None without one.
+    steady
+        A property of the machine, which a comparison shows when it changes; False for what
+        is another at every moment, such as a temperature.
+    """
+
+    name: str
+    title: str
+    status: Standing
+    value: Value
+    message: str
+    unit: str | None = None
+    steady: bool = True
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return asdict(self)
+
+    def text(self) -> str:
+        """Return the value as people read it, with its unit."""
+        if self.value is None:
+            return "-"
+        if isinstance(self.value, bool):
+            return "yes" if self.value else "no"
+        if isinstance(self.value, tuple):
+            return " ".join(self.value) or "none"
+        if self.unit == "hex" and isinstance(self.value, int):
+            return f"{self.value:#x}"
+        number = f"{self.value:.1f}" if isinstance(self.value, float) else str(self.value)
+        return f"{number} {self.unit}" if self.unit else number
 
 
-def _plain(numbers: tuple[float, ...] | None) -> list[float | None] | None:
+@dataclass(frozen=True)
+class Report:
+    """One run on one machine.
+
+    Parameters
+    ----------
+    qrobot, python
+        Versions.
+    made
+        When the run began: UTC, ISO 8601.
+    host
+        The machine's name.
+    machine_id
+        Tells machines of one name apart: a digest of the system's own id, which it does not
+        give away; None where the system has none.
+    machine, model
+        Architecture, and the board's name or None.
+    profile
+        What was asked for: a profile, ``quick``, ``all`` or ``named``.
+    required
+        Whether an absent stack is a fault.
+    seconds
+        Wall-clock time of the whole run.
+    system
+        About the machine; empty when it was left out.
+    checks
+        In the sequence of their groups, or as they were named.
+    """
+
+    qrobot: str
+    python: str
+    made: str
+    host: str
+    machine_id: str | None
+    machine: str
+    model: str | None
+    profile: str
+    required: bool
+    seconds: float
+    system: tuple[Finding, ...]
+    checks: tuple[CheckResult, ...]
+
+    @property
+    def bad(self) -> list[CheckResult]:
+        """The checks that make this machine unhealthy."""
+        wrong = {"fail", "error", "absent"} if self.required else {"fail", "error"}
+        return [check for check in self.checks if check.status in wrong]
+
+    @property
+    def faults(self) -> list[Finding]:
+        """The findings that make this machine unhealthy."""
+        return [finding for finding in self.system if finding.status == "fault"]
+
+    @property
+    def healthy(self) -> bool:
+        """Whether all is right; warnings do not count."""
+        return not self.bad and not self.faults
+
+    @property
+    def totals(self) -> dict[str, int]:
+        """How many checks and findings there are of each status."""
+        checks = Counter(check.status for check in self.checks)
+        findings = Counter(finding.status for finding in self.system)
+        return {
+            **{name: checks[name] for name in ("pass", "fail", "error", "absent")},
+            **{name: findings[name] for name in ("good", "warning", "fault", "unknown")},
+        }
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Every distribution that a check met, with its version."""
+        found: dict[str, str] = {}
+        for check in self.checks:
+            found |= check.versions
+        return dict(sorted(found.items()))
+
+    def finding(self, name: str) -> Finding | None:
+        """Return the finding of a name."""
+        return next((finding for finding in self.system if finding.name == name), None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the document that ``qrobot health --json`` prints."""
+        about = {
+            name: getattr(self, name)
+            for name in (
+                "qrobot", "python", "made", "host", "machine_id", "machine", "model", "profile",
+                "required", "seconds",
+            )
+        }  # fmt: skip
+        return {
+            "schema": SCHEMA,
+            **about,
+            "healthy": self.healthy,
+            "totals": self.totals,
+            "system": [finding.to_dict() for finding in self.system],
+            "checks": [check.to_dict() for check in self.checks],
+        }
+
+
+def _plain(numbers: tuple[float | None, ...] | None) -> list[float | None] | None:
     if numbers is None:
         return None
-    return [number if math.isfinite(number) else None for number in numbers]
+    return [n if n is not None and math.isfinite(n) else None for n in numbers]

@@ -1,3 +1,4 @@
+from health.commands import planted
 from remote.conftest import home
 
-__all__ = ["home"]
+__all__ = ["home", "planted"]

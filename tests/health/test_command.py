@@ -1,28 +1,32 @@
-"""``qrobot health``: what it prints, its JSON and its exit codes."""
+"""``qrobot health``: what it prints, what it refuses, and its exit codes."""
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import subprocess
 import sys
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
+import jsonschema
 import pytest
 from click.testing import CliRunner
+from health import samples
+from health.commands import code_of
 
-import qrobot.health
 from qrobot.cli.health import command
-from qrobot.health import CheckResult, all_checks, choose
-from qrobot.health.model import Status
+from qrobot.health import CheckResult, all_checks, choose, make_report
+from qrobot.health.model import Finding, Status
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def qrobot_health(*words: str) -> subprocess.CompletedProcess[str]:
+def qrobot_health(*words: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "qrobot", "health", *words],
+        [sys.executable, "-m", "qrobot", "health", *map(str, words)],
         capture_output=True,
         text=True,
         check=False,
@@ -30,28 +34,14 @@ def qrobot_health(*words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def result(name: str, status: Status) -> CheckResult:
-    return CheckResult(
-        name=name,
-        title="planted",
-        group="base",
-        status=status,
-        versions={"thing": "1.2"},
-        import_seconds=0.5,
-        run_seconds=None,
-        peak_mb=30.0,
-        answer=(1.0, math.nan),
-        expected=(1.0, 2.0),
-        tolerance=1e-9,
-        message="planted words",
-    )
-
-
 def test_the_json_has_the_schema() -> None:
     done = qrobot_health("numpy", "qrobot", "--json")
     assert done.returncode == 0, done.stdout
     data = json.loads(done.stdout)
-    assert data["schema"] == "qrobot.health/1"
+    schema = json.loads(qrobot_health("--schema").stdout)
+    jsonschema.Draft202012Validator(schema, format_checker=jsonschema.FormatChecker()).validate(
+        data
+    )
     assert [check["name"] for check in data["checks"]] == ["numpy", "qrobot"]
     for check in data["checks"]:
         assert set(check) == {field.name for field in fields(CheckResult)}
@@ -60,25 +50,75 @@ def test_the_json_has_the_schema() -> None:
     assert [line.split()[1] for line in done.stderr.splitlines()] == ["numpy", "qrobot"]
 
 
-def test_quick_runs_the_base_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    ran = []
-    monkeypatch.setattr(
-        qrobot.health, "run", lambda check, limits: ran.append(check) or result(check.name, "pass")
-    )
-    assert CliRunner().invoke(command, ["--quick"]).exit_code == 0
-    assert {"numpy", "dimod", "qrobot"} <= {check.name for check in ran} < set(all_checks())
-    assert all(check.extra is None for check in ran)
+def test_quick_runs_the_base_only(planted: dict[str, Any]) -> None:
+    assert code_of("--quick") == 0
+    assert {"numpy", "dimod", "qrobot"} <= set(planted["ran"]) < set(all_checks())
+    assert all(all_checks()[name].quick for name in planted["ran"])
+
+
+def test_options_reach_the_runner(planted: dict[str, Any]) -> None:
+    assert code_of("numpy", "--jobs", "3", "--timeout", "7", "--memory", "100") == 0
+    assert planted["options"]["jobs"] == 3
+    assert planted["options"]["limits"].seconds == 7
+    assert planted["options"]["limits"].megabytes == 100
 
 
 @pytest.mark.parametrize(
-    ("words", "told"), [(["nope"], "'nope' is no check"), (["numpy", "--quick"], "--quick")]
+    ("words", "told"),
+    [
+        (["nope"], "'nope' is no check"),
+        (["numpy", "--quick"], "--quick"),
+        (["numpy", "--profile", "edge"], "--profile"),
+        (["--profile", "vast"], "use one of: base, solver, edge, full"),
+        (["--strict-compare"], "--compare"),
+        (["--network", "--no-system"], "--no-system"),
+        (["--output", "/no/such/folder/x.json"], "folder"),
+        (["--html", "/"], "folder"),
+        (["--output", "same", "--junit", "same"], "written twice"),
+        (["--compare", "/no/such.json"], "/no/such.json"),
+        (["compare", "/no/such.json", "x"], "/no/such.json"),
+        (["merge", "/no/such.json"], "/no/such.json"),
+        (["--json", "merge"], "'merge' is no check"),
+        (["--", "merge"], "'merge' is no check"),
+    ],
 )
-def test_bad_input_is_one_sentence(words: list[str], told: str) -> None:
+def test_bad_input_is_one_sentence_before_any_check(
+    words: list[str], told: str, planted: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert code_of(*words) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert told in said.err
+    assert len(said.err.strip().splitlines()) == 1
+    assert planted["ran"] == []
+
+
+@pytest.mark.parametrize("words", [["merge"], ["compare"], ["compare", "one.json"]])
+def test_commands_ask_for_their_files(words: list[str]) -> None:
     done = qrobot_health(*words)
     assert done.returncode == 2
-    assert done.stdout == ""
-    assert told in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
+    assert "Missing argument" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_no_check_is_named_like_a_command() -> None:
+    assert not set(all_checks()) & set(command.commands)
+    assert {"merge", "compare"} < set(command.commands)
+
+
+def test_names_options_and_their_sequence_are_free(planted: dict[str, Any]) -> None:
+    for words in (["numpy", "--json", "dimod"], ["--json", "numpy", "dimod"],
+                  ["run", "numpy", "dimod"], ["--", "numpy", "dimod"]):  # fmt: skip
+        assert code_of(*words) == 0
+        assert planted["ran"] == ["numpy", "dimod"]
+
+
+def test_help_names_the_commands_and_not_itself() -> None:
+    told = CliRunner().invoke(command, ["--help"], prog_name="qrobot health").output
+    assert told.startswith("Usage: qrobot health [OPTIONS] [NAMES]...\n")
+    assert "merge" in told
+    assert "--strict-compare" in told
+    assert "FILES" in CliRunner().invoke(command, ["merge", "--help"]).output
 
 
 def test_the_list_names_every_check_and_runs_none() -> None:
@@ -91,30 +131,56 @@ def test_the_list_names_every_check_and_runs_none() -> None:
 
 
 @pytest.mark.parametrize(
-    ("status", "named", "code"),
+    ("status", "words", "code"),
     [
-        ("pass", False, 0), ("pass", True, 0), ("fail", False, 1), ("fail", True, 1),
-        ("error", False, 1), ("error", True, 1), ("absent", False, 0), ("absent", True, 1),
+        ("pass", [], 0), ("pass", ["dimod"], 0), ("fail", [], 1), ("fail", ["dimod"], 1),
+        ("error", [], 1), ("error", ["dimod"], 1), ("absent", [], 0), ("absent", ["dimod"], 1),
+        ("absent", ["--profile", "edge"], 1), ("pass", ["--profile", "edge"], 0),
+        ("absent", ["--quick"], 0), ("absent", ["--quick", "--profile", "base"], 1),
     ],
 )  # fmt: skip
 def test_exit_codes(
-    monkeypatch: pytest.MonkeyPatch, status: Status, named: bool, code: int
+    planted: dict[str, Any],
+    capsys: pytest.CaptureFixture[str],
+    status: Status,
+    words: list[str],
+    code: int,
 ) -> None:
-    monkeypatch.setattr(
-        qrobot.health,
-        "run",
-        lambda check, limits: result(check.name, status if check.name == "dimod" else "pass"),
-    )
-    done = CliRunner().invoke(command, ["dimod", "numpy"] if named else [])
-    assert done.exit_code == code
-    assert "thing" not in done.stdout
-    assert ("dimod: planted words" in done.stdout) == (status != "pass")
+    planted["status"] = {"dimod": status}
+    assert code_of(*words) == code
+    said = capsys.readouterr().out
+    assert (f"dimod: why dimod is {status}" in said) == (status != "pass")
+
+
+@pytest.mark.parametrize(
+    ("status", "words", "code"),
+    [("fault", [], 1), ("warning", [], 0), ("unknown", [], 0), ("fault", ["--no-system"], 0)],
+)
+def test_a_fault_of_the_machine_counts_and_a_warning_does_not(
+    planted: dict[str, Any],
+    capsys: pytest.CaptureFixture[str],
+    status: Any,
+    words: list[str],
+    code: int,
+) -> None:
+    planted["findings"] = [Finding("x", "A fact", status, 7, "why; mend", "MiB")]
+    assert code_of("numpy", *words) == code
+    shown = f"{status}: A fact 7 MiB: why; mend" in capsys.readouterr().out
+    assert shown == (status in ("fault", "warning") and not words)
 
 
 def test_numbers_that_json_does_not_know_are_null() -> None:
-    data = result("x", "fail").to_dict()
+    data = samples.check("x", "fail", answer=(1.0, math.nan)).to_dict()
     assert data["answer"] == [1.0, None]
     json.dumps(data, allow_nan=False)
+
+
+def test_a_report_says_where_and_when_it_was_made() -> None:
+    report = make_report([])
+    assert report.host
+    assert report.made.endswith("+00:00")
+    assert report.machine == os.uname().machine
+    assert report.python == ".".join(map(str, sys.version_info[:3]))
 
 
 def test_names_are_taken_once_and_in_their_sequence() -> None:

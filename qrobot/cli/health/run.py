@@ -1,0 +1,170 @@
+"""``qrobot health NAMES...``: runs the checks, and writes every face of what they found."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from qrobot.health import Check, CheckResult, Limits
+
+__all__ = ["run"]
+
+
+class Run(click.Command):
+    """Shows itself without the word ``run``, which nobody has to write."""
+
+    def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write how it is called."""
+        path = ctx.parent.command_path if ctx.parent else ctx.command_path
+        formatter.write_usage(path, "[OPTIONS] [NAMES]...")
+        formatter.write_usage(path, "merge | compare FILES...", " " * len("Usage: "))
+
+
+@click.command("run", cls=Run)
+@click.argument("names", nargs=-1)
+@click.option("--quick", is_flag=True, help="The cheap checks only.")
+@click.option("--profile", help="What must be there: base, solver, edge or full.")
+@click.option("--list", "as_list", is_flag=True, help="List the checks and run none.")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@click.option("--schema", is_flag=True, help="Print the JSON Schema of the report and run none.")
+@click.option("--output", "-o", type=click.Path(), help="Write the report as JSON.")
+@click.option("--junit", "junit_path", type=click.Path(), help="Write it as JUnit XML.")
+@click.option("--html", "html_path", type=click.Path(), help="Write it as a page.")
+@click.option("--prometheus", type=click.Path(), help="Write it as metrics, a file NAME.prom.")
+@click.option("--compare", "baseline", type=click.Path(), help="Show what drifted since a report.")
+@click.option("--strict-compare", is_flag=True, help="Then any drift is code 1, but of times.")
+@click.option(
+    "--notebooks",
+    type=click.Path(),
+    help="Run the notebooks, one by one, and keep them in a folder.",
+)
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Checks at once."
+)
+@click.option(
+    "--timeout",
+    type=click.FloatRange(min=0, min_open=True),
+    default=300.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="What one check may take.",
+)
+@click.option(
+    "--memory",
+    type=click.FloatRange(min=0, min_open=True),
+    default=2048.0,
+    show_default=True,
+    metavar="MB",
+    help="What one check may take, in MiB.",
+)
+@click.option("--no-system", is_flag=True, help="Leave the machine out.")
+@click.option("--network", is_flag=True, help="Also try to reach the quantum services.")
+def run(
+    names: tuple[str, ...], quick: bool, profile: str | None, as_list: bool, as_json: bool,
+    schema: bool, output: str | None, junit_path: str | None, html_path: str | None,
+    prometheus: str | None, baseline: str | None, strict_compare: bool, notebooks: str | None,
+    jobs: int, timeout: float, memory: float, no_system: bool, network: bool,
+) -> None:  # fmt: skip
+    """Prove that every installed stack computes right.
+
+    Each check imports one stack and lets it compute something whose answer is known from
+    elsewhere, in a process of its own: a crash or a hang is reported and the others go on.
+    Without NAMES all are run; a stack that is not installed is then no fault. With NAMES or
+    --profile it is. The machine is looked at too: a fault there counts, a warning does not.
+
+    Exit code 0: healthy, 1: a check failed, the machine has a fault, or something got worse
+    since --compare, 2: bad input, or a report could not be written.
+
+    \b
+    Examples:
+      qrobot health
+      qrobot health qiskit aer --json
+      qrobot health --profile edge --jobs 2 --output today.json --html today.html
+      qrobot health --quick --compare yesterday.json
+      qrobot health merge reports/*.json --html fleet.html
+    """
+    from qrobot.cli.health.listing import listing
+    from qrobot.cli.health.show import show_report
+    from qrobot.errors import InputError
+    from qrobot.health import Limits, choose, make_report, read_report, system_findings
+    from qrobot.health.record import Clockwork
+    from qrobot.health.reports import as_json as json_text
+    from qrobot.health.reports import compare, save
+    from qrobot.health.schema import schema_text
+    from qrobot.report.outputs import check_outputs
+
+    if schema:
+        click.echo(schema_text(), nl=False)
+        return
+    checks = choose(names, quick=quick, profile=profile)
+    if as_list:
+        click.echo(listing(checks, as_json))
+        return
+    if network and no_system:
+        raise InputError(
+            "it is part of what --no-system leaves out", field="--network", mend="give one of both"
+        )
+    if strict_compare and not baseline:
+        raise InputError(
+            "there is nothing to compare with", field="--strict-compare", mend="give --compare too"
+        )
+    # All that can be refused is refused now: the checks take minutes.
+    before = read_report(baseline) if baseline else None
+    check_outputs([path for path in (output, junit_path, html_path, prometheus) if path])
+    if notebooks:
+        from qrobot.health.notebooks import prepare
+
+        prepare(notebooks)
+    limits = Limits(seconds=timeout, megabytes=memory)
+    clock = Clockwork()
+    findings = [] if no_system else system_findings(network=network)
+    results = _results(checks, limits, jobs, notebooks)
+    report = make_report(
+        results,
+        findings,
+        clock=clock,
+        profile=profile or ("quick" if quick else "named" if names else "all"),
+        required=bool(names or profile),
+    )
+    drift = compare(before, report) if before else None
+    troubles = save(
+        report,
+        drift,
+        output=output,
+        junit_path=junit_path,
+        html_path=html_path,
+        prometheus=prometheus,
+    )
+    click.echo(json_text(report, drift) if as_json else show_report(report, drift))
+    for trouble in troubles:
+        click.echo(f"qrobot: {trouble}", err=True)
+    if troubles:
+        sys.exit(2)
+    worse = drift is not None and (drift.worse or (strict_compare and drift.drift))
+    sys.exit(1 if worse or not report.healthy else 0)
+
+
+def _results(
+    checks: list[Check], limits: Limits, jobs: int, notebooks: str | None
+) -> list[CheckResult]:
+    from qrobot.health import run_all
+
+    begun = 0
+
+    def tell(check: Check) -> None:
+        nonlocal begun
+        begun += 1
+        click.echo(f"{begun}/{len(checks)} {check.name}", err=True)
+
+    if notebooks is None:
+        return run_all(checks, limits, jobs=jobs, progress=tell)
+    from qrobot.health.notebooks import run_notebook
+
+    results = []
+    for check in checks:
+        tell(check)
+        results.append(run_notebook(check, notebooks, limits))
+    return results

@@ -1,0 +1,58 @@
+"""Reports on a terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from qrobot.health import Finding, Report
+    from qrobot.health.reports import Comparison, Fleet, Table
+
+__all__ = ["show_comparison", "show_fleet", "show_report"]
+
+COLUMNS = 6
+"""Most columns of differences in the table of a fleet; more are told in sentences only."""
+
+
+def show_report(report: Report, comparison: Comparison | None) -> str:
+    """Return the table of the checks, and a sentence for all that needs attention."""
+    from qrobot.health.reports import attention, checks_table, machine_line, totals_line
+
+    findings, checks = attention(report)
+    lines = []
+    if report.system:
+        lines.append(machine_line(report))
+    if report.checks:
+        lines.append(_text(checks_table(report)))
+    lines += [f"{check.name}: {check.message}" for check in checks]
+    lines += [_sentence(finding) for finding in findings]
+    if comparison is not None:
+        lines.append(show_comparison(comparison))
+    return "\n".join([*lines, totals_line(report)])
+
+
+def show_comparison(comparison: Comparison) -> str:
+    """Return the changes as a table."""
+    lines = [_text(comparison.table())] if comparison.changes else []
+    return "\n".join([*lines, comparison.headline()])
+
+
+def show_fleet(fleet: Fleet) -> str:
+    """Return the machines as a table, and what differs in sentences."""
+    few = len(fleet.columns) <= COLUMNS
+    lines = [_text(fleet.table(None if few else []))]
+    lines += [column.sentence() for column in fleet.columns]
+    lines += [*fleet.bad_lines(), *fleet.slow_lines(), *fleet.notes]
+    return "\n".join([*lines, fleet.headline()])
+
+
+def _text(table: Table) -> str:
+    from qrobot.report.text import columns
+
+    return columns(table.heads, table.rows, table.numbers)
+
+
+def _sentence(finding: Finding) -> str:
+    plain = finding.value is None or isinstance(finding.value, bool)
+    value = "" if plain else f" {finding.text()}"
+    return f"{finding.status}: {finding.title}{value}: {finding.message}"

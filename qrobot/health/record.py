@@ -1,0 +1,151 @@
+"""A run as a report: who ran, when, where; written as JSON and read back."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+import time
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from functools import cache
+from typing import Any
+
+from qrobot._files import StrPath, read_text
+from qrobot._version import __version__
+from qrobot.errors import InputError
+from qrobot.health.model import SCHEMA, CheckResult, Finding, Report
+from qrobot.health.system import Machine, board_model
+
+__all__ = ["Clockwork", "make_report", "read_report"]
+
+MEND = "give a file that qrobot health --output wrote"
+
+
+class Clockwork:
+    """When a run began, by the calendar and by a clock that is never set."""
+
+    def __init__(self) -> None:
+        self.made = datetime.now(UTC).isoformat(timespec="seconds")
+        self._begun = time.monotonic()
+
+    def seconds(self) -> float:
+        """Return the wall-clock time since the beginning."""
+        return round(time.monotonic() - self._begun, 3)
+
+
+def make_report(
+    results: Sequence[CheckResult],
+    findings: Sequence[Finding] = (),
+    *,
+    clock: Clockwork | None = None,
+    profile: str = "all",
+    required: bool = False,
+) -> Report:
+    """Return what was found, with who found it, when and where.
+
+    Parameters
+    ----------
+    results, findings
+        Of the checks and of the machine.
+    clock
+        Started when the run began.
+    profile
+        What was asked for.
+    required
+        Whether an absent stack is a fault.
+    """
+    clock = clock or Clockwork()
+    machine = Machine()
+    return Report(
+        qrobot=__version__,
+        python=platform.python_version(),
+        made=clock.made,
+        host=platform.node().encode(errors="replace").decode() or "unknown",
+        machine_id=machine.identity(),
+        machine=platform.machine(),
+        model=board_model(machine),
+        profile=profile,
+        required=required,
+        seconds=clock.seconds(),
+        system=tuple(findings),
+        checks=tuple(results),
+    )
+
+
+def read_report(path: StrPath) -> Report:
+    """Read a report that ``qrobot health --output`` wrote.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, is no JSON, no report of health, or of a newer qRobot;
+        in one sentence, with the field.
+    """
+    from pydantic import ValidationError
+
+    source = str(path)
+    text = read_text(path)
+    try:
+        data = json.loads(text, parse_float=_finite, parse_constant=_finite)
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"is no JSON: {error.msg}",
+            source=source,
+            field=f"line {error.lineno}, column {error.colno}",
+            mend=MEND,
+        ) from None
+    except (RecursionError, ValueError):  # nested without end, or a number beyond all bounds
+        raise InputError("is no report", source=source, mend=MEND) from None
+    schema = data.get("schema") if isinstance(data, dict) else None
+    if schema != SCHEMA:
+        raise InputError(*_strange(schema), source=source, field="schema", mend=_update(schema))
+    try:
+        found: Report = _adapter().validate_json(text, strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+        raise InputError(
+            first["msg"][:1].lower() + first["msg"][1:],
+            source=source,
+            field=".".join(map(str, first["loc"])) or None,
+            mend=MEND,
+        ) from None
+    try:
+        if datetime.fromisoformat(found.made).tzinfo is None:
+            raise ValueError
+    except ValueError:
+        raise InputError(
+            f"{found.made[:40]!r} is no time with its zone", source=source, field="made", mend=MEND
+        ) from None
+    return found
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError
+    return number
+
+
+def _number(schema: object) -> int | None:
+    name, _, number = str(schema).partition("/")
+    own = SCHEMA.partition("/")[0]
+    return int(number) if name == own and number.isdecimal() and len(number) < 9 else None
+
+
+def _strange(schema: object) -> tuple[str]:
+    if _number(schema) is not None:
+        return (f"{schema} is not {SCHEMA}, which this qRobot reads",)
+    return (f"is no report of qrobot health (this field must be {SCHEMA!r})",)
+
+
+def _update(schema: object) -> str:
+    newer = (_number(schema) or 0) > (_number(SCHEMA) or 0)
+    return "update qRobot, or make the report anew with this one" if newer else MEND
+
+
+@cache
+def _adapter() -> Any:
+    from pydantic import TypeAdapter  # here: only who reads a report needs it
+
+    return TypeAdapter(Report)

@@ -1,0 +1,39 @@
+"""The faces of a report: tables, JUnit XML, a page, metrics; and reports beside each other."""
+
+from qrobot.health.reports.compare import Change, Comparison, compare
+from qrobot.health.reports.fleet import Column, Fleet, fleet
+from qrobot.health.reports.fleet_html import fleet_html
+from qrobot.health.reports.html import html
+from qrobot.health.reports.junit import junit
+from qrobot.health.reports.prometheus import metrics, write_prometheus
+from qrobot.health.reports.save import as_json, save
+from qrobot.health.reports.table import (
+    Table,
+    attention,
+    checks_table,
+    machine_line,
+    system_table,
+    totals_line,
+)
+
+__all__ = [
+    "Change",
+    "Column",
+    "Comparison",
+    "Fleet",
+    "Table",
+    "as_json",
+    "attention",
+    "checks_table",
+    "compare",
+    "fleet",
+    "fleet_html",
+    "html",
+    "junit",
+    "machine_line",
+    "metrics",
+    "save",
+    "system_table",
+    "totals_line",
+    "write_prometheus",
+]

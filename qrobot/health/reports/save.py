@@ -1,0 +1,56 @@
+"""Writes the faces of one report; one that cannot be written does not keep back the others."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+from qrobot._files import StrPath, write_text_atomic
+from qrobot.errors import InputError
+from qrobot.health.model import Report
+from qrobot.health.reports.compare import Comparison
+from qrobot.health.reports.html import html
+from qrobot.health.reports.junit import junit
+from qrobot.health.reports.prometheus import write_prometheus
+
+__all__ = ["as_json", "save"]
+
+
+def as_json(report: Report, comparison: Comparison | None = None) -> str:
+    """Return the document, with the comparison as a field of its own where there is one."""
+    data = report.to_dict()
+    if comparison is not None:
+        data["comparison"] = comparison.to_dict()
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def save(
+    report: Report,
+    comparison: Comparison | None = None,
+    *,
+    output: StrPath | None = None,
+    junit_path: StrPath | None = None,
+    html_path: StrPath | None = None,
+    prometheus: StrPath | None = None,
+) -> list[InputError]:
+    """Write every face that has a path, each whole or not at all.
+
+    Returns
+    -------
+    list of InputError
+        One for each that could not be written: what stood there before is untouched.
+    """
+    faces: list[tuple[StrPath | None, Callable[[StrPath], None]]] = [
+        (output, lambda path: write_text_atomic(path, as_json(report, comparison) + "\n")),
+        (junit_path, lambda path: write_text_atomic(path, junit(report))),
+        (html_path, lambda path: write_text_atomic(path, html(report, comparison))),
+        (prometheus, lambda path: write_prometheus(path, report)),
+    ]
+    troubles = []
+    for path, write in faces:
+        if path is not None:
+            try:
+                write(path)
+            except InputError as error:
+                troubles.append(error)
+    return troubles

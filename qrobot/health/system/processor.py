@@ -1,0 +1,147 @@
+"""Architecture, the programs' bits, processor, its features, page size, emulation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from qrobot.health.model import Finding
+from qrobot.health.system.machine import Machine
+
+__all__ = ["processor"]
+
+WHEELS = ("aarch64", "x86_64")
+"""Architectures that every stack has compiled packages for."""
+
+PARTS = {
+    "0xd03": "Cortex-A53", "0xd04": "Cortex-A35", "0xd05": "Cortex-A55", "0xd07": "Cortex-A57",
+    "0xd08": "Cortex-A72", "0xd09": "Cortex-A73", "0xd0a": "Cortex-A75", "0xd0b": "Cortex-A76",
+    "0xd0c": "Neoverse-N1", "0xd40": "Neoverse-V1", "0xd49": "Neoverse-N2",
+}  # fmt: skip
+"""Arm's numbers of its processors (of implementer 0x41)."""
+
+ARM = {"neon": 1, "aes": 3, "crc32": 7, "lse": 8, "fp16": 10, "dotprod": 20, "sve": 22}
+"""Bits of AT_HWCAP on aarch64, from linux/arch/arm64/include/uapi/asm/hwcap.h."""
+
+X86 = ("sse4_2", "avx", "f16c", "fma", "avx2", "avx512f")
+
+
+def processor(machine: Machine) -> Iterator[Finding]:
+    """Find out about the processor."""
+    about = machine.text("proc/cpuinfo") or ""
+    yield _architecture(machine)
+    yield _bits(machine)
+    yield _model(machine, about)
+    yield _features(machine, about)
+    yield _page(machine)
+    yield _emulation(machine, about)
+
+
+def _architecture(machine: Machine) -> Finding:
+    name = machine.architecture
+    about = ("architecture", "Architecture")
+    if name in WHEELS:
+        return Finding(*about, "good", name, "every stack has compiled packages for it")
+    if machine.bits == 32 or name.startswith("armv"):
+        text = "there are no 32-bit packages; install a 64-bit system"
+        return Finding(*about, "fault", name or None, text)
+    text = f"compiled packages are known for {' and '.join(WHEELS)} only"
+    return Finding(*about, "warning", name or None, text)
+
+
+def _bits(machine: Machine) -> Finding:
+    about = ("userland-bits", "Programs")
+    if machine.bits == 64:
+        return Finding(*about, "good", 64, "64-bit programs", "bits")
+    kernel = "64-bit kernel" if machine.architecture in WHEELS else "kernel"
+    text = (
+        f"{machine.bits}-bit programs on a {kernel}: no stack has packages for them; "
+        "write the 64-bit image of Raspberry Pi OS to the card"
+    )
+    return Finding(*about, "fault", machine.bits, text, "bits")
+
+
+def _entry(about: str, name: str) -> str:
+    found = re.search(rf"^{re.escape(name)}\s*:[ \t]*(.*)$", about, re.MULTILINE)
+    return found[1].strip() if found else ""
+
+
+def _foreign(machine: Machine, about: str) -> bool:
+    """Return whether /proc/cpuinfo is of another kind of processor: the emulator's host."""
+    intel, arm = "vendor_id" in about, "CPU implementer" in about
+    if machine.architecture == "aarch64":
+        return intel
+    return machine.architecture == "x86_64" and arm and not intel
+
+
+def _model(machine: Machine, about: str) -> Finding:
+    if _foreign(machine, about):
+        text = "/proc/cpuinfo is the host's, not that of the emulated processor"
+        return Finding("cpu", "Processor", "unknown", None, text)
+    name = _entry(about, "model name")
+    if not name and (part := _entry(about, "CPU part")):
+        arm = _entry(about, "CPU implementer") in ("0x41", "")
+        name = PARTS.get(part, f"part {part}") if arm else f"part {part}"
+    text = f"{machine.cores} of its cores may be used"
+    if not name:
+        return Finding("cpu", "Processor", "unknown", None, "/proc/cpuinfo does not name it")
+    return Finding("cpu", "Processor", "good", name, text)
+
+
+def _features(machine: Machine, about: str) -> Finding:
+    words = ("cpu-features", "Instructions")
+    if machine.architecture == "aarch64" and machine.bits == 64:
+        if not machine.hwcap:
+            return Finding(*words, "unknown", None, "the C library does not tell (getauxval)")
+        found = tuple(name for name, bit in ARM.items() if machine.hwcap >> bit & 1)
+        text = "with LSE atomics"
+        if "lse" not in found:
+            text = (
+                "no LSE atomics, as on any Raspberry Pi 3 and 4: a package built for newer "
+                "processors dies with SIGILL"
+            )
+        return Finding(*words, "good", found, text)
+    if machine.architecture == "x86_64":
+        flags = set(_entry(about, "flags").split())
+        if not flags:
+            return Finding(*words, "unknown", None, "/proc/cpuinfo lists none")
+        found = tuple(name for name in X86 if name in flags)
+        if "avx" in flags:
+            return Finding(*words, "good", found, "with AVX")
+        return Finding(*words, "warning", found, "no AVX: tensorflow's package needs it")
+    return Finding(*words, "unknown", None, "not known for this architecture")
+
+
+def _page(machine: Machine) -> Finding:
+    about, size = ("page-size", "Memory page"), machine.page_bytes
+    if size == 4096:
+        return Finding(*about, "good", size, "the usual size", "bytes")
+    text = (
+        "some compiled packages expect 4096; on a Raspberry Pi 5 put kernel=kernel8.img into "
+        "/boot/firmware/config.txt when a check dies"
+    )
+    return Finding(*about, "warning", size, text, "bytes")
+
+
+def _emulation(machine: Machine, about: str) -> Finding:
+    words = ("emulation", "Emulation")
+    kernel = machine.text("proc/sys/kernel/arch")  # Linux 6.1: not rewritten by an emulator
+    # qemu-user shows its guest a /proc/self of its own making, but not this view of it.
+    command = machine.text("proc/thread-self/cmdline") or ""
+    other = kernel is not None and kernel not in ("", machine.architecture)
+    if other or "qemu-" in command[:200] or _foreign(machine, about):
+        text = "a program plays the processor (qemu-user): times are not those of a machine"
+        return Finding(*words, "warning", "qemu-user", text)
+    maker = " ".join(
+        machine.text(path) or ""
+        for path in (
+            "sys/class/dmi/id/sys_vendor", "sys/class/dmi/id/product_name",
+            "proc/device-tree/compatible", "sys/hypervisor/type",
+        )
+    ).lower()  # fmt: skip
+    virtual = ("qemu", "kvm", "dummy-virt", "vmware", "virtualbox", "xen", "virtual machine")
+    if any(name in maker for name in virtual) or "hypervisor" in _entry(about, "flags").split():
+        return Finding(*words, "good", "virtual machine", "times depend on what it shares")
+    if not about and not maker.strip():
+        return Finding(*words, "unknown", None, "/proc and /sys tell nothing")
+    return Finding(*words, "good", "none", "no sign of an emulator or a virtual machine")
