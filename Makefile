@@ -8,6 +8,11 @@ PROFILE ?= solver
 # pytest's own options; "-n 2" uses two cores.
 PYTEST_ARGS ?= -n 2
 BENCH_ARGS ?=
+# What `make image` builds: solver, edge or lab; for one or both machines; on trixie (3.13) or
+# bookworm (3.11).
+TARGET ?= edge
+PLATFORM ?= linux/$(if $(filter aarch64 arm64,$(shell uname -m)),arm64,amd64)
+RELEASE ?= trixie
 UV_VERSION = 0.13.9
 
 bin = $(VENV)/bin
@@ -17,18 +22,20 @@ project = pyproject.toml locks/build.txt
 # No questions and no flood; what is fetched is held against the hashes of locks/.
 pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
 # What says more with the SDKs installed than without.
+comma = ,
+image-packages = buildah skopeo mmdebstrap arch-test debian-archive-keyring docker.io iptables qemu-user-static binfmt-support
 stack-tests = tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/health tests/cli
-source = qrobot tests benchmarks examples healthchecks locks
+source = qrobot tests benchmarks docker examples healthchecks locks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup install demo test test-stacks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
+.PHONY: help setup install demo test test-stacks test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
 
 help: ## list the targets
 	@echo 'qRobot: orders in, a checked picking plan out.'
 	@echo
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 	@echo
 	@echo '  Variables: PYTHON=$(PYTHON)  VENV=$(VENV)  PROFILE=$(PROFILE)  PYTEST_ARGS="$(PYTEST_ARGS)"'
 
@@ -56,6 +63,9 @@ tutorial: $(stamp)-dev $(stamp)-edge ## run the tutorial as a notebook: build/tu
 	@mkdir -p build
 	$(bin)/python examples/run_tutorial.py build/tutorial.ipynb
 
+notebooks: $(stamp)-dev $(stamp)-edge ## run the health checks as notebooks, copies in build/health
+	$(bin)/qrobot health --notebooks build/health
+
 lint: $(stamp)-dev ## check the style, the types and the locks
 	$(bin)/ruff check $(wildcard $(source))
 	$(bin)/ruff format --check $(wildcard $(source))
@@ -72,6 +82,26 @@ docs: $(stamp)-dev ## build the site into build/site
 
 bench: $(stamp)-dev ## measure on this machine and write docs/benchmarks.md anew
 	$(bin)/python benchmarks/run.py $(BENCH_ARGS)
+
+image-tools: ## install what builds and runs images here (root, Debian): buildah, skopeo, mmdebstrap, docker.io, qemu-user-static
+	apt-get update --quiet=2
+	apt-get install --yes --quiet=2 --no-install-recommends $(image-packages)
+
+image: ## build an image: TARGET=solver, edge or lab, PLATFORM=linux/arm64,linux/amd64, RELEASE=trixie or bookworm
+	docker/image.sh $(TARGET) $(PLATFORM) $(RELEASE)
+	@if docker info >/dev/null 2>&1; then \
+	  docker/load.sh $(patsubst linux/%,qrobot:$(TARGET)-$(RELEASE)-%,$(subst $(comma), ,$(PLATFORM))); \
+	else \
+	  echo 'No Docker engine answers: the image stays with buildah'; \
+	fi
+
+test-images: $(stamp)-dev ## build the images for this machine and hold them to what docs/images.md says
+	docker/engine.sh start
+	for target in solver edge lab; do docker/image.sh $$target $(PLATFORM) $(RELEASE) || exit 1; done
+	QROBOT_IMAGES=$(RELEASE) $(bin)/python -m pytest tests/images; status=$$?; docker/engine.sh stop; exit $$status
+
+test-arm64: ## prove the arm64 images on an emulated Cortex-A72: reports in build/arm64
+	docker/test-arm64.sh
 
 dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
 	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist
