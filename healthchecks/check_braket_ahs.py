@@ -15,7 +15,7 @@ import math
 import numpy as np
 from braket.devices import LocalSimulator
 
-from qrobot.health.checks.braket_ahs import APART, CHECK, PEAK, RAMP, program
+from qrobot.health.checks.braket_ahs import APART, CHECK, EDGE, PEAK, RAMP, SCATTER, pair, program
 from qrobot.health.lesson import draw, table, verdict
 
 print(f"a pulse of {PEAK:g} rad/s, rising in {RAMP:g} s; atoms {APART * 1e6:g} micrometres apart")
@@ -42,16 +42,36 @@ for area in (0.25 * math.pi, 0.5 * math.pi, math.pi / math.sqrt(2), math.pi):
 table(["area / pi", "one atom", "a pair", "theory, one", "theory, pair"], rows)
 
 # %% [markdown]
+# ## The edge of the blockade
+#
+# Farther apart the shift fades, with the sixth power. Where it is about as strong as the laser,
+# neither picture holds, and only Schrödinger's equation tells: four states, four by four matrices.
+
+# %%
+table(
+    ["micrometres apart", "none up", "one up", "both up"],
+    [(apart * 1e6, *map(float, pair(2 * math.pi, apart))) for apart in (APART, 7e-6, EDGE, 15e-6)],
+)
+
+# %% [markdown]
 # ## The check
 #
 # Three pulses that must end the same way in every shot: one atom flopped by $\pi$; of two atoms
-# exactly one up after $\pi/\sqrt2$; of two atoms none up after $2\pi/\sqrt2$.
+# exactly one up after $\pi/\sqrt2$; of two atoms none up after $2\pi/\sqrt2$. All of them would
+# come out right with a $C_6$ that is ten times too small. So two atoms at the edge, 9 micrometres
+# apart, get $2\pi$: there a tenth more moves the part with one up by 0.085. These parts scatter as
+# the 2,000 shots do, so they count with three tenths of their weight.
 
 # %%
-verdict(CHECK, ["one atom up", "one of two up", "both down again"])
+print("weight of the parts at the edge:", SCATTER)
+verdict(
+    CHECK,
+    ["one atom up", "one of two up", "both down again", "edge: none", "edge: one", "edge: both"],
+)
 
 # %% [markdown]
 # ## Try it yourself
 #
-# 1. Move the atoms 15 micrometres apart (`APART` in the module). What does the pair do now?
+# 1. Let the simulator move the atoms 15 micrometres apart: `program(2, area, 15e-6)`. What does the
+#    pair do now, and is it what `pair` says?
 # 2. Three atoms in a row: which are up after a slow pulse, and which set of nodes is that?

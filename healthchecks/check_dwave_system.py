@@ -53,12 +53,15 @@ device.close()
 # %% [markdown]
 # ## The check
 #
-# A heuristic promises no optimum, so none is asserted. All 20 reads must come back, every energy
-# must be that of its state by the definition (the largest error is shown), and none may be below
-# the ground state.
+# All 200 reads must come back, and every energy must be that of its state by the definition (the
+# largest error is shown). Right energies alone prove little: Ocean works them out from the model
+# that we gave, whatever it sent to the machine. Had it sent the opposite of every coupling, all
+# energies would still be right and all states bad. So the best read must be the ground state. A
+# heuristic promises no optimum, but this small model is solved in about one read of six here, and
+# that none of 200 hits is out of the question.
 
 # %%
-verdict(CHECK, ["reads", "largest error of an energy", "below the ground state by"])
+verdict(CHECK, ["reads", "largest error of an energy", "lowest energy"])
 
 # %% [markdown]
 # ## Try it yourself

@@ -40,7 +40,7 @@ print(len(SCRIPT), "characters as a script,", len(as_json), "as a notebook")
 # ## The check
 #
 # The script above has three cells, two of them code, with three lines of code and one tag; and on
-# the way back no line may be lost. All of this can be counted by eye.
+# the way back no line may be lost or stand elsewhere. All of this can be counted by eye.
 
 # %%
 verdict(CHECK, ["cells", "of them code", "lines of code", "tags", "lines lost"])

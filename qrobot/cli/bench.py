@@ -6,13 +6,13 @@ import sys
 
 import click
 
-from qrobot.cli.options import Robots
+from qrobot.cli.options import FILE, Robots
 
 __all__ = ["command"]
 
 
 @click.command("bench")
-@click.argument("folder", type=click.Path())
+@click.argument("folder", type=FILE)
 @click.option("--backends", default="auto", show_default=True, help="Names, with commas.")
 @click.option("--deadline", "-t", type=float, help="Seconds of each run.  [default: 10]")
 @click.option("--max-work", type=int, help="Limit of work units of each run.")
@@ -21,10 +21,20 @@ __all__ = ["command"]
 @click.option("--robots-for", multiple=True, help="Exceptions, such as 'X-*=free'. Repeatable.")
 @click.option("--match", default="*", help="Only files like this, such as 'A-*'.")
 @click.option("--limit", type=int, help="At most so many instances.")
-@click.option("--json", "json_path", type=click.Path(), help="Write the report; kept row by row.")
-@click.option("--csv", "csv_path", type=click.Path(), help="Write the rows as CSV.")
-@click.option("--markdown", "markdown_path", type=click.Path(), help="Write tables as Markdown.")
-@click.option("--plot", "plot_path", type=click.Path(), help="Draw gap against time: .svg or .png.")
+@click.option(
+    "--json",
+    "json_path",
+    type=FILE,
+    help="Write the report; kept row by row.",
+)
+@click.option("--csv", "csv_path", type=FILE, help="Write the rows as CSV.")
+@click.option("--markdown", "markdown_path", type=FILE, help="Write tables as Markdown.")
+@click.option(
+    "--plot",
+    "plot_path",
+    type=FILE,
+    help="Draw gap against time: .svg or .png.",
+)
 def command(
     folder: str,
     backends: str,

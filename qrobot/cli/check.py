@@ -7,15 +7,15 @@ import sys
 
 import click
 
-from qrobot.cli.options import Robots
+from qrobot.cli.options import FILE, Robots
 
 __all__ = ["command"]
 
 
 @click.command("check")
-@click.argument("plan", type=click.Path())
-@click.argument("instance", type=click.Path())
-@click.option("--layout", type=click.Path(), help="Layout and robots of CSV orders.")
+@click.argument("plan", type=FILE)
+@click.argument("instance", type=FILE)
+@click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
 @click.option("--robots", type=Robots(), help="The number of robots that the plan was made with.")
 @click.option("--capacity", help="The capacity that the plan was made with.")
 @click.option("--split-orders", is_flag=True, help="The orders were allowed to be split.")

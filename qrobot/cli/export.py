@@ -6,14 +6,14 @@ import json
 
 import click
 
-from qrobot.cli.options import Robots
+from qrobot.cli.options import FILE, Robots
 
 __all__ = ["command"]
 
 
 @click.command("export")
-@click.argument("instance", type=click.Path())
-@click.argument("output", type=click.Path())
+@click.argument("instance", type=FILE)
+@click.argument("output", type=FILE)
 @click.option(
     "--encoding",
     help="full, reduced or (not in an LP) compact.  [default: reduced in an LP, else compact]",
@@ -22,7 +22,7 @@ __all__ = ["command"]
     "--slack",
     help="exact or paper.  [default: none in an LP (an inequality), else exact]",
 )
-@click.option("--layout", type=click.Path(), help="Layout and robots of CSV orders.")
+@click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
 @click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
 @click.option("--capacity", help="Another capacity of every robot.")
 @click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from qrobot.cli.options import FILE
+
 __all__ = ["command"]
 
 
@@ -50,8 +52,12 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
 
 @command.command("fetch")
 @click.argument("job")
-@click.option("--output", "-o", type=click.Path(), help="Write the samples as JSON (of dimod).")
-@click.option("--plan", type=click.Path(), help="Write the plan as JSON; checked like every plan.")
+@click.option("--output", "-o", type=FILE, help="Write the samples as JSON (of dimod).")
+@click.option(
+    "--plan",
+    type=FILE,
+    help="Write the plan as JSON; checked like every plan.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print what is known as JSON.")
 def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> None:
     """Fetch the samples of a JOB that is done, by its id or the beginning of it."""

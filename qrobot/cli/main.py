@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import errno
 import importlib
-import os
 import sys
 import traceback
+from contextlib import suppress
 from typing import Any
 
 import click
 
 from qrobot._version import __version__
+from qrobot.cli.streams import drop
 from qrobot.errors import QRobotError
 
 __all__ = ["COMMANDS", "cli", "main"]
@@ -98,13 +99,13 @@ def main(arguments: list[str] | None = None) -> None:
         click.echo("qrobot: interrupted", err=True)
         code = 130
     except ReaderGoneError:
-        _drop_output()  # there is nobody left to tell
+        drop(sys.stdout)  # there is nobody left to tell
         code = 0
     except QRobotError as error:
         code = _tell(str(error), error, error.exit_code, debug)
     except OSError as error:
         if error.filename is None and error.errno in (errno.ENOSPC, errno.EIO):
-            _drop_output()  # the output itself: a full disk
+            drop(sys.stdout)  # the output itself: a full disk
         code = _tell(
             f"{error.strerror or error} ({error.filename or 'input/output'})", error, 2, debug
         )
@@ -116,13 +117,9 @@ def main(arguments: list[str] | None = None) -> None:
     sys.exit(code if isinstance(code, int) else 0)
 
 
-def _drop_output() -> None:
-    """Send what is still buffered nowhere: it must not raise again when Python ends."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:
-    if debug:
-        traceback.print_exception(error)
-    click.echo(f"qrobot: {' '.join(text.split())}", err=True)
+    with suppress(OSError):  # nobody reads, or a log on a full disk: the code still tells
+        if debug:
+            traceback.print_exception(error)
+        click.echo(f"qrobot: {' '.join(text.split())}", err=True)
     return code

@@ -9,7 +9,10 @@ import click
 
 from qrobot.errors import InputError
 
-__all__ = ["Robots", "Setting", "seconds"]
+__all__ = ["FILE", "Robots", "Setting", "seconds"]
+
+FILE = click.Path(readable=False)
+"""A path; who may not read it is told by whoever reads, with the mend."""
 
 
 class Robots(click.ParamType[int | str]):

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from qrobot.cli.options import FILE
+
 if TYPE_CHECKING:
     from qrobot.report.reproduce.outcome import Line
 
@@ -27,7 +29,7 @@ TARGETS = ["table1", "table2", "table3", "figure4", "figure7", "all"]
 @click.option("--reads", type=int, default=1000, show_default=True, help="Shots, everywhere.")
 @click.option("--seed", type=int, default=7, show_default=True, help="Of our places and of chance.")
 @click.option("--resume", is_flag=True, help="Keep what an earlier run in the folder finished.")
-@click.option("--docs", type=click.Path(), help="Also put the tables into a page's markers.")
+@click.option("--docs", type=FILE, help="Also put the tables into a page's markers.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def command(
     targets: tuple[str, ...],

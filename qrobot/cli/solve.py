@@ -8,13 +8,13 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import Robots, Setting
+from qrobot.cli.options import FILE, Robots, Setting
 
 __all__ = ["command"]
 
 
 @click.command("solve")
-@click.argument("instance", type=click.Path())
+@click.argument("instance", type=FILE)
 @click.option("--backend", "-b", default="auto", show_default=True, help="See `qrobot backends`.")
 @click.option("--deadline", "-t", type=float, help="Wall-clock seconds.  [default: 10]")
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
@@ -22,7 +22,7 @@ __all__ = ["command"]
 @click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
 @click.option("--capacity", help="Another capacity of every robot.")
 @click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
-@click.option("--layout", type=click.Path(), help="Layout and robots of CSV orders.")
+@click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
 @click.option("--encoding", help="Sampler: full, reduced or compact.")
 @click.option("--slack", help="Sampler: exact or paper.")
 @click.option("--reads", type=int, help="Sampler: number of reads.")
@@ -41,12 +41,12 @@ __all__ = ["command"]
 )
 @click.option("--dry-run", is_flag=True, help="Say what it would cost; submit nothing.")
 @click.option("--no-wait", is_flag=True, help="Submit a remote job, print its id, and leave.")
-@click.option("--output", "-o", type=click.Path(), help="Write the plan as JSON.")
+@click.option("--output", "-o", type=FILE, help="Write the plan as JSON.")
 @click.option(
     "--picture",
     "-p",
     multiple=True,
-    type=click.Path(),
+    type=FILE,
     help="Draw the plan: .svg or .png, repeatable.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON, nothing else.")

@@ -12,17 +12,14 @@ import importlib
 import os
 import signal
 import subprocess
-import sys
-import tempfile
 import threading
 import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import psutil
-
-from qrobot.health.runner import ROOT, SECRET, Limits
+from qrobot.health.place import environment, own_folder
+from qrobot.health.process import MARK, Limits, end_all, resident
 
 __all__ = ["Session"]
 
@@ -63,8 +60,7 @@ class Session:
     def run(self) -> None:
         """Execute all cells; nothing that they do is raised, and nothing of it is left behind."""
         overrun = ""
-        with tempfile.TemporaryDirectory(prefix="qrobot-", ignore_cleanup_errors=True) as name:
-            folder = Path(name)
+        with own_folder() as folder:
             # In a thread: nbclient takes Ctrl-C for itself when it is in the first one.
             thread = threading.Thread(target=self._guarded, args=[folder], daemon=True)
             begun = time.monotonic()
@@ -72,7 +68,7 @@ class Session:
             try:
                 while thread.is_alive():
                     thread.join(POLL)
-                    self.peak = max(self.peak, self._memory())
+                    self.peak = max(self.peak, resident(self._pid))
                     if self.peak > self.limits.megabytes:
                         overrun = f"took more than {self.limits.megabytes:g} MB of memory"
                     elif time.monotonic() - begun > self.limits.seconds:
@@ -83,7 +79,7 @@ class Session:
                 while thread.is_alive():
                     self._kill()
                     thread.join(POLL)
-            self._kill()  # a dead kernel's children
+                end_all(self._pid, folder.name)
             self.problem = self._why(overrun, folder / "stderr")
 
     def _guarded(self, folder: Path) -> None:
@@ -149,30 +145,23 @@ class Session:
             )
         return told[:500]
 
-    def _memory(self) -> float:
-        total = 0
-        if self._process is not None:
-            with suppress(psutil.Error):
-                family = psutil.Process(self._process.pid)
-                for member in [family, *family.children(recursive=True)]:
-                    with suppress(psutil.Error):
-                        total += member.memory_info().rss
-        return total / 2**20
+    @property
+    def _pid(self) -> int | None:
+        return self._process.pid if self._process else None
 
     def _kill(self) -> None:
-        """End the kernel's session: what the kernel started may outlive it."""
-        if self._process is not None:
+        """End the kernel's session; what it sent into other sessions is found at the end."""
+        if self._pid is not None:
             with suppress(ProcessLookupError, PermissionError):
-                os.killpg(self._process.pid, signal.SIGKILL)
+                os.killpg(self._pid, signal.SIGKILL)
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(SECRET)}
-    return kept | {
-        "PYTHONPATH": os.pathsep.join([*filter(None, sys.path), str(ROOT)]),
+    return environment(folder) | {
+        MARK: folder.name,
         "PYTHONSAFEPATH": "1",
         "PYTHONWARNINGS": "ignore",  # what an SDK thinks of its own parts is no lesson
-        "IPYTHONDIR": str(folder),  # no profile of the user, and no need of a home
+        "IPYTHONDIR": str(folder),  # no profile of the user, though it may be named
     }
 
 

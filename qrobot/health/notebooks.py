@@ -8,8 +8,9 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from qrobot._files import StrPath, write_text_atomic
 from qrobot.errors import InputError, MissingExtraError
@@ -18,7 +19,10 @@ from qrobot.health.lesson import VERDICT
 from qrobot.health.model import CheckResult, Status
 from qrobot.health.runner import ROOT, Limits, run
 
-__all__ = ["FOLDERS", "TOOLS", "prepare", "run_notebook", "source_of"]
+if TYPE_CHECKING:
+    from qrobot.health.kernel import Session
+
+__all__ = ["FOLDERS", "TOOLS", "prepare", "run_notebook", "run_notebooks", "source_of"]
 
 FOLDERS = (ROOT / "qrobot" / "healthchecks", ROOT / "healthchecks")
 """Where the sources may be: in an installed wheel, in a checkout."""
@@ -49,7 +53,7 @@ def source_of(check: Check) -> Path:
     )
 
 
-def prepare(folder: StrPath) -> None:
+def prepare(folder: StrPath, checks: Sequence[Check] = ()) -> None:
     """Make sure that notebooks can be run and kept, before the first of them takes its time.
 
     Raises
@@ -57,10 +61,13 @@ def prepare(folder: StrPath) -> None:
     MissingExtraError
         When the notebook tools are not installed.
     InputError
-        When the folder cannot be made, or nothing can be written into it.
+        When the folder cannot be made, nothing can be written into it, or one of the checks has
+        no notebook.
     """
     if not all(importlib.util.find_spec(tool) for tool in TOOLS):
         raise MissingExtraError("--notebooks", "lab")
+    for check in checks:
+        source_of(check)
     folder = Path(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -102,21 +109,78 @@ def run_notebook(check: Check, folder: StrPath, limits: Limits | None = None) ->
     InputError
         When there is no such notebook, or its copy cannot be written.
     """
-    source = source_of(check)
-    prepare(folder)
+    prepare(folder, [check])
+    result, trouble = _run(check, Path(folder), limits or Limits())
+    if trouble is not None:
+        raise trouble
+    return result
+
+
+def run_notebooks(
+    checks: Sequence[Check],
+    folder: StrPath,
+    limits: Limits | None = None,
+    *,
+    progress: Callable[[Check], object] | None = None,
+) -> tuple[list[CheckResult], list[InputError]]:
+    """Run the notebooks of checks, one by one; a copy that cannot be written costs no other.
+
+    Parameters
+    ----------
+    checks, folder, limits
+        As `run_notebook` takes them.
+    progress
+        Called with each check as its notebook begins.
+
+    Returns
+    -------
+    results
+        One a check, in their sequence: also of those whose copy could not be written.
+    troubles
+        One for each copy that could not be written.
+
+    Raises
+    ------
+    MissingExtraError
+        When the notebook tools are not installed.
+    InputError
+        When a notebook is not there, or the folder cannot be written, before any is run.
+    """
+    prepare(folder, checks)
+    results, troubles = [], []
+    for check in checks:
+        if progress is not None:
+            progress(check)
+        result, trouble = _run(check, Path(folder), limits or Limits())
+        results.append(result)
+        if trouble is not None:
+            troubles.append(trouble)
+    return results, troubles
+
+
+def _run(check: Check, folder: Path, limits: Limits) -> tuple[CheckResult, InputError | None]:
+    """Return what the notebook showed, and why its copy could not be written."""
     if set(check.distributions) - set(check.versions()):
-        return run(check)  # which sees the same and says how to install it
+        return run(check), None  # which sees the same and says how to install it
     from qrobot.health.kernel import Session
 
-    notebook: Any = importlib.import_module("jupytext").read(source, fmt="py:percent")
-    session = Session(notebook, limits or Limits())
-    session.run()
-    target = Path(folder) / f"{check.name}.ipynb"
-    write_text_atomic(target, importlib.import_module("nbformat").writes(notebook) + "\n")
-    return _judge(check, notebook, session.problem, session.peak, target)
+    notebook: Any = importlib.import_module("jupytext").read(source_of(check), fmt="py:percent")
+    session = Session(notebook, limits)
+    try:
+        session.run()
+    except OSError as error:  # no temporary folder, as on a full disk
+        session.problem = f"its kernel cannot be started: {error.strerror or error}"
+    target = folder / f"{check.name}.ipynb"
+    trouble: InputError | None = None
+    see = f"; see {target}"
+    try:
+        write_text_atomic(target, importlib.import_module("nbformat").writes(notebook) + "\n")
+    except InputError as error:
+        trouble, see = error, ""
+    return _judge(check, notebook, session, see), trouble
 
 
-def _judge(check: Check, notebook: Any, problem: str, peak: float, target: Path) -> CheckResult:
+def _judge(check: Check, notebook: Any, session: Session, see: str) -> CheckResult:
     from qrobot.remote.redaction import redact
 
     told = _verdict(check, notebook)
@@ -125,9 +189,9 @@ def _judge(check: Check, notebook: Any, problem: str, peak: float, target: Path)
     status: Status = "pass"
     message = check.source
     if told and wrong:
-        status, message = "fail", f"{wrong}; see {target}"
-    elif problem or not told:
-        status, message = "error", f"{problem or 'it gave no verdict'}; see {target}"
+        status, message = "fail", f"{wrong}{see}"
+    elif session.problem or not told:
+        status, message = "error", f"{session.problem or 'it gave no verdict'}{see}"
     return CheckResult(
         name=check.name,
         title=check.title,
@@ -136,7 +200,7 @@ def _judge(check: Check, notebook: Any, problem: str, peak: float, target: Path)
         versions=check.versions(),
         import_seconds=None,
         run_seconds=told.get("run_seconds"),
-        peak_mb=peak or None,
+        peak_mb=session.peak or None,
         answer=answer if told else None,
         expected=expected if told else None,
         tolerance=check.tolerance,

@@ -10,18 +10,19 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["ROOT", "SECRET", "environment", "own_folder"]
+from qrobot._children import import_path
+
+__all__ = ["ROOT", "environment", "own_folder"]
 
 ROOT = Path(__file__).resolve().parents[2]
 """The folder that holds qRobot."""
 
-SECRET = ("AWS_", "DWAVE_", "QISKIT_IBM")
+CLOUDS = ("AWS_", "DWAVE_", "QISKIT_IBM")
 """Beginnings of variables that a check has no business to know: none of them asks a cloud."""
 
 OWN = (
@@ -59,14 +60,20 @@ def environment(folder: Path, seen: Mapping[str, str] = os.environ) -> dict[str,
     seen
         The variables to begin with.
     """
-    found = {name: value for name, value in seen.items() if not name.startswith(SECRET)}
-    # All that we can import, and ourselves, but not the current folder.
-    paths = [os.path.abspath(path) for path in sys.path if path]
-    found["PYTHONPATH"] = os.pathsep.join([*paths, str(ROOT)])
+    found = {name: value for name, value in seen.items() if not _is_secret(name)}
+    found["PYTHONPATH"] = import_path()  # all that we can import, but not the current folder
     found["TMPDIR"] = str(folder)  # which is in the user's own
     for name in OWN if _takes_files(_caches(found)) else (*OWN, *CACHES):
         found.setdefault(name, str(folder / name.lower()))
     return found
+
+
+def _is_secret(variable: str) -> bool:
+    """Return whether a variable may hold a credential; a proxy's address may have a password."""
+    from qrobot.remote.redaction import SECRET_VARIABLE  # here: the other processes need it not
+
+    name = variable.upper()
+    return name.startswith(CLOUDS) or name.endswith("_PROXY") or bool(SECRET_VARIABLE.search(name))
 
 
 def _caches(variables: Mapping[str, str]) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -17,10 +18,11 @@ from typing import Any
 
 import psutil
 
+from qrobot.errors import InputError
 from qrobot.health.check import Check
 from qrobot.health.place import environment
 
-__all__ = ["Limits", "Process"]
+__all__ = ["MARK", "Limits", "Process", "end_all", "resident"]
 
 POLL = 0.02
 """Seconds between two looks at the process."""
@@ -45,6 +47,14 @@ class Limits:
 
     seconds: float = 300.0
     megabytes: float = 2048.0
+
+    def __post_init__(self) -> None:
+        """Refuse what would be no limit: nothing is above ``nan``."""
+        for field in ("seconds", "megabytes"):
+            if not 0 < (value := getattr(self, field)) < math.inf:
+                raise InputError(
+                    f"{value} is no limit", field=field, mend="give a finite number above 0"
+                )
 
 
 class Process:
@@ -117,7 +127,7 @@ class Process:
             while self.process.poll() is None and not stop.is_set():
                 self._drain()
                 self._listen()
-                self.peak = max(self.peak, self._memory())
+                self.peak = max(self.peak, resident(self.process.pid))
                 if self.peak > self.limits.megabytes:
                     self.overrun = f"took more than {self.limits.megabytes:g} MB of memory"
                 elif time.monotonic() - begun > self.limits.seconds:
@@ -126,7 +136,7 @@ class Process:
                     break
                 time.sleep(POLL)
         finally:
-            self._end()
+            end_all(self.process.pid, self._mark)
             code = self.process.wait()
             self.starved = _out_of_memory_kills() > self._kills
             self._drain()
@@ -141,34 +151,6 @@ class Process:
         lines = self._noise.decode(errors="replace").strip().splitlines()
         return lines[-1].strip()[:500] if lines else ""
 
-    def _end(self) -> None:
-        """Kill its session, and what it started and sent into sessions of their own."""
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.process.pid, signal.SIGKILL)
-        for _ in range(3):  # what is born while we look is found by looking again
-            left = [process for process in psutil.process_iter() if self._is_ours(process)]
-            for process in left:
-                with suppress(*LOST):
-                    process.kill()
-            psutil.wait_procs(left, timeout=1)
-            if not left:
-                break
-
-    def _is_ours(self, process: psutil.Process) -> bool:
-        with suppress(*LOST):
-            ours = process.environ().get(MARK) == self._mark
-            return ours and process.pid != self.process.pid
-        return False
-
-    def _memory(self) -> float:
-        total = 0
-        with suppress(*LOST):
-            family = psutil.Process(self.process.pid)
-            for member in [family, *family.children(recursive=True)]:
-                with suppress(*LOST):
-                    total += member.memory_info().rss
-        return total / 2**20
-
     def _drain(self) -> None:
         for chunk in _waiting(self._stderr):
             self._noise = (self._noise + chunk)[-4096:]
@@ -179,6 +161,48 @@ class Process:
         for line in whole:
             with suppress(ValueError):
                 self.told |= json.loads(line)
+
+
+def resident(leader: int | None) -> float:
+    """Return the resident memory of a process and its children in MiB, 0 where there is none."""
+    if leader is None:
+        return 0.0
+    total = 0
+    with suppress(*LOST):
+        family = psutil.Process(leader)
+        for member in [family, *family.children(recursive=True)]:
+            with suppress(*LOST):
+                total += member.memory_info().rss
+    return total / 2**20
+
+
+def end_all(leader: int | None, mark: str) -> None:
+    """Kill a session, and what it started and sent into sessions of their own.
+
+    Parameters
+    ----------
+    leader
+        Its first process, a child of ours that is waited for elsewhere; None when there is none.
+    mark
+        What the variable `MARK` is in all of them.
+    """
+    if leader is not None:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(leader, signal.SIGKILL)
+    for _ in range(3):  # what is born while we look is found by looking again
+        left = [process for process in psutil.process_iter() if _has(mark, process, leader)]
+        for process in left:
+            with suppress(*LOST):
+                process.kill()
+        psutil.wait_procs(left, timeout=1)
+        if not left:
+            break
+
+
+def _has(mark: str, process: psutil.Process, leader: int | None) -> bool:
+    with suppress(*LOST):
+        return process.environ().get(MARK) == mark and process.pid != leader
+    return False
 
 
 def _waiting(pipe: int) -> Iterator[bytes]:

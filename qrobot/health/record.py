@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import platform
 import time
 from collections.abc import Sequence
@@ -15,9 +14,16 @@ from qrobot._files import StrPath, read_text
 from qrobot._version import __version__
 from qrobot.errors import InputError
 from qrobot.health.model import SCHEMA, CheckResult, Finding, Report
+from qrobot.health.plain import plain
 from qrobot.health.system import Machine, board_model
 
 __all__ = ["Clockwork", "make_report", "read_report"]
+
+LONGEST = 255
+"""Letters of a host's name; the Domain Name System allows no more."""
+
+DIGITS, LARGEST = 18, 1e100
+"""Of a whole number, and the absolute value of any other: beyond, sums and ratios overflow."""
 
 MEND = "give a file that qrobot health --output wrote"
 
@@ -87,7 +93,7 @@ def read_report(path: StrPath) -> Report:
     source = str(path)
     text = read_text(path)
     try:
-        data = json.loads(text, parse_float=_finite, parse_constant=_finite)
+        data = json.loads(text, parse_int=_whole, parse_float=_finite, parse_constant=_finite)
     except json.JSONDecodeError as error:
         raise InputError(
             f"is no JSON: {error.msg}",
@@ -107,22 +113,37 @@ def read_report(path: StrPath) -> Report:
         raise InputError(
             first["msg"][:1].lower() + first["msg"][1:],
             source=source,
-            field=".".join(map(str, first["loc"])) or None,
+            field=plain(".".join(map(str, first["loc"]))) or None,
             mend=MEND,
         ) from None
     try:
-        if datetime.fromisoformat(found.made).tzinfo is None:
+        made = datetime.fromisoformat(found.made)
+        if made.tzinfo is None:
             raise ValueError
-    except ValueError:
+        made.astimezone(UTC)
+    except (ValueError, OverflowError):  # OverflowError: in UTC the year is below 1
         raise InputError(
             f"{found.made[:40]!r} is no time with its zone", source=source, field="made", mend=MEND
         ) from None
+    if len(found.host) > LONGEST:
+        raise InputError(
+            f"a name of {len(found.host)} letters is no host's",
+            source=source,
+            field="host",
+            mend=MEND,
+        )
     return found
+
+
+def _whole(text: str) -> int:
+    if len(text.lstrip("-")) > DIGITS:
+        raise ValueError
+    return int(text)
 
 
 def _finite(text: str) -> float:
     number = float(text)
-    if not math.isfinite(number):
+    if not abs(number) <= LARGEST:  # nor NaN
         raise ValueError
     return number
 

@@ -12,10 +12,10 @@ from typing import Any
 from qrobot.errors import InputError
 from qrobot.health.check import Check, difference
 from qrobot.health.model import CheckResult, Status
-from qrobot.health.place import ROOT, SECRET, own_folder
+from qrobot.health.place import ROOT, own_folder
 from qrobot.health.process import Limits, Process
 
-__all__ = ["ROOT", "SECRET", "Limits", "run", "run_all"]
+__all__ = ["ROOT", "Limits", "run", "run_all"]
 
 
 def run(check: Check, limits: Limits | None = None) -> CheckResult:

@@ -16,6 +16,7 @@ import threading
 from collections.abc import Callable
 from typing import IO
 
+from qrobot._children import import_path
 from qrobot.backends import Routes
 from qrobot.problem import Instance
 
@@ -71,7 +72,8 @@ class Crew:
         for h in range(helpers):
             task = pickle.dumps((instance, backend, seed + h, seconds, max_work))
             process = subprocess.Popen(
-                [sys.executable, "-m", "qrobot.planning.worker"],
+                [sys.executable, "-P", "-m", "qrobot.planning.worker"],
+                env=os.environ | {"PYTHONPATH": import_path()},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,

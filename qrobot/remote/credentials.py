@@ -46,14 +46,19 @@ class Presence:
     open_to_others: bool = False
 
 
+def _expanded(path: str) -> Path:
+    """Return a path with its ``~``, which stays where nobody knows a home: pathlib would raise."""
+    return Path(os.path.expanduser(path))
+
+
 def _config_home() -> Path:
-    return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
+    return Path(os.environ.get("XDG_CONFIG_HOME") or _expanded("~/.config"))
 
 
 def _dwave_files() -> list[Path]:
     named = os.environ.get("DWAVE_CONFIG_FILE")
     if named:
-        return [Path(named).expanduser()]
+        return [_expanded(named)]
     system = os.environ.get("XDG_CONFIG_DIRS") or "/etc/xdg"
     folders = [Path(), _config_home() / "dwave"]
     folders += [Path(folder) / "dwave" for folder in system.split(":") if folder]
@@ -62,14 +67,13 @@ def _dwave_files() -> list[Path]:
 
 def _ibm_files() -> list[Path]:
     named = os.environ.get("QISKIT_IBM_CREDENTIALS_FILE")
-    return [Path(named).expanduser() if named else Path.home() / ".qiskit" / "qiskit-ibm.json"]
+    return [_expanded(named or "~/.qiskit/qiskit-ibm.json")]
 
 
 def _aws_files() -> list[Path]:
-    home = Path.home() / ".aws"
     return [
-        Path(os.environ.get("AWS_SHARED_CREDENTIALS_FILE") or home / "credentials").expanduser(),
-        Path(os.environ.get("AWS_CONFIG_FILE") or home / "config").expanduser(),
+        _expanded(os.environ.get("AWS_SHARED_CREDENTIALS_FILE") or "~/.aws/credentials"),
+        _expanded(os.environ.get("AWS_CONFIG_FILE") or "~/.aws/config"),
     ]
 
 

@@ -15,7 +15,7 @@ import urllib.parse
 from collections.abc import Iterator
 from typing import Any
 
-__all__ = ["MASK", "mask_logs", "redact", "redact_data", "register_secret"]
+__all__ = ["MASK", "SECRET_VARIABLE", "mask_logs", "redact", "redact_data", "register_secret"]
 
 MASK = "[redacted]"
 
@@ -26,7 +26,7 @@ _NAME = (
     r"(?:token|secret|passw(?:or)?d|api[-_]?key|access[-_]?key(?:[-_]?id)?|credential|signature)"
 )
 
-_SECRET_VARIABLE = re.compile(rf"(?i){_NAME}|_PAT$|DWAVE_API_(?:HEADERS|PROXY)")
+SECRET_VARIABLE = re.compile(rf"(?i){_NAME}|_PAT$|DWAVE_API_(?:HEADERS|PROXY)")
 _PLAIN_VARIABLE = re.compile(r"(?i)(?:_FILE|_PATH|_DIR|_URL|_ENDPOINT|_SCHEME)$")
 
 _SHAPES = (
@@ -54,7 +54,7 @@ def register_secret(value: str | None) -> None:
 def _known() -> Iterator[str]:
     yield from _registered
     for name, value in os.environ.items():
-        if _SECRET_VARIABLE.search(name) and not _PLAIN_VARIABLE.search(name):
+        if SECRET_VARIABLE.search(name) and not _PLAIN_VARIABLE.search(name):
             yield value
     from qrobot.remote.credentials import secrets_in_files
 

@@ -14,6 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from qrobot._children import import_path
 from qrobot._files import write_text_atomic
 from qrobot.errors import InputError
 from qrobot.report.machine import machine
@@ -246,9 +247,10 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
         try:
             done = subprocess.run(
                 [
-                    *(sys.executable, "-m", "qrobot.report.bench_worker"),
+                    *(sys.executable, "-P", "-m", "qrobot.report.bench_worker"),
                     *(json.dumps(asdict(task)), str(os.getpid())),
                 ],
+                env=os.environ | {"PYTHONPATH": import_path()},
                 capture_output=True,
                 text=True,
                 timeout=limit,

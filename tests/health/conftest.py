@@ -1,4 +1,5 @@
 from health.commands import planted
+from health.made_up import no_tool
 from remote.conftest import home
 
-__all__ = ["home", "planted"]
+__all__ = ["home", "no_tool", "planted"]

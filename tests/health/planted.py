@@ -6,11 +6,19 @@ import textwrap
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
 from qrobot.health import Check
 
 Plant = Callable[..., Check]
+
+CREDENTIALS = (
+    "AWS_PROFILE", "AWS_SECRET_ACCESS_KEY", "DWAVE_API_TOKEN", "GITHUB_TOKEN", "HTTPS_PROXY",
+    "IBMQ_TOKEN", "IBM_CLOUD_API_KEY", "IQP_API_TOKEN", "JUPYTER_TOKEN", "SOME_SERVICE_PASSWORD",
+    "aws_session_token", "https_proxy",
+)  # fmt: skip
+"""Variables that hold one, or may."""
 
 SOURCE = """
 from qrobot.health.check import Check
@@ -56,3 +64,18 @@ def planter(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Plant:
         )
 
     return make
+
+
+def gone(pid: int) -> bool:
+    """Wait for the end of a process that is not ours."""
+    try:
+        left = psutil.Process(pid)
+        if left.status() != psutil.STATUS_ZOMBIE:  # where nobody collects the dead
+            left.wait(timeout=30)
+    except psutil.NoSuchProcess:
+        pass
+    return True
+
+
+def left_behind(folder: Path) -> list[Path]:
+    return list(folder.glob("qrobot-health-*"))

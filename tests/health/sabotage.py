@@ -151,6 +151,56 @@ def with_another_value(notebook: Any) -> Any:
     return notebook
 
 
+def upside_down(model: Any) -> Any:
+    """Turn every sign of a model."""
+    model.scale(-1)
+    return model
+
+
+def all_up(found: Any) -> Any:
+    found.record.sample[:] = 1
+    return found
+
+
+def put_back_up(state: Any) -> Any:
+    """Forget what a part of a workflow found."""
+    samples = state.samples.from_samples_bqm(
+        dict.fromkeys(state.problem.variables, 1), state.problem
+    )
+    return state.updated(samples=samples)
+
+
+def dead(_: Any) -> Any:
+    """Sample a part of a workflow by saying yes."""
+
+    def sample(self: Any, state: Any, **options: Any) -> Any:
+        part = state.subproblem
+        up = state.samples.from_samples_bqm(dict.fromkeys(part.variables, 1), part)
+        return state.updated(subsamples=up)
+
+    return sample
+
+
+def farther_apart(original: Any) -> Any:
+    """Make the atoms' interaction a tenth too large."""
+    return lambda *args, **options: original(
+        *args, **options | {"rydberg_interaction_coef": 1.1 * 5.42e-24}
+    )
+
+
+def with_one_shot_less(counts: dict[str, int]) -> dict[str, int]:
+    return counts | {"00": counts["00"] - 1}
+
+
+def with_moved_couplers(graph: Any) -> Any:
+    """Let the first couplers of the list lead to other qubits; their number stays."""
+    for start, end in list(graph.edges)[:5]:
+        other = next(q for q in graph if q != start and not graph.has_edge(start, q))
+        graph.remove_edge(start, end)
+        graph.add_edge(start, other)
+    return graph
+
+
 SABOTAGE: dict[str, tuple[str, Spoil]] = {
     # check: (module:attribute.path, how)
     "numpy": ("numpy.linalg:eigvalsh", after(lambda values: values * 1.001)),
@@ -210,3 +260,27 @@ SABOTAGE: dict[str, tuple[str, Spoil]] = {
     "jupyter": ("nbclient:NotebookClient.execute", after(with_another_value)),
     "jupytext": ("jupytext:reads", after(without_a_cell)),
 }
+
+ALSO: tuple[tuple[str, str, Spoil], ...] = (
+    # Faults that these checks once let through.
+    ("dwave-system", "dwave.embedding:EmbeddedStructure.embed_bqm", after(upside_down)),
+    ("dwave-system", "dwave.system.testing:MockDWaveSampler.sample", after(all_up)),
+    ("dwave-hybrid", "hybrid:SplatComposer.next", after(put_back_up)),
+    ("dwave-hybrid", "hybrid:TabuSubproblemSampler.next", dead),
+    (
+        "braket-ahs",
+        "braket.analog_hamiltonian_simulator.rydberg.rydberg_simulator:RydbergAtomSimulator.run",
+        farther_apart,
+    ),
+    ("ibm-runtime", "qiskit:QuantumCircuit.h", lambda _: lambda self, qubit: self.ry(1.46, qubit)),
+    ("ibm-runtime", "qiskit.primitives:BitArray.get_counts", after(with_one_shot_less)),
+    *(
+        ("dwave-networkx", f"dwave_networkx:{graph}_graph", after(with_moved_couplers))
+        for graph in ("chimera", "zephyr", "pegasus")
+    ),
+    (
+        "jupytext",
+        "jupytext:writes",
+        after(lambda text: "\n".join(reversed(text.splitlines()))),
+    ),
+)

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 import pytest
-from health.sabotage import SABOTAGE
+from health.sabotage import ALSO, SABOTAGE, Spoil
 
 from qrobot.health import Check, all_checks, difference
 
@@ -27,8 +27,12 @@ def numbers(check: Check) -> tuple[list[float], list[float]]:
 
 @pytest.fixture(params=CHECKS)
 def check(request: pytest.FixtureRequest) -> Check:
-    found = CHECKS[request.param]
-    absent = [name for name in found.distributions if name not in found.versions()]
+    return installed(request.param)
+
+
+def installed(name: str) -> Check:
+    found = CHECKS[name]
+    absent = [part for part in found.distributions if part not in found.versions()]
     if absent:
         pytest.skip(f"{', '.join(absent)} not installed")
     return found
@@ -45,16 +49,30 @@ def test_the_stack_is_right_and_numbers_beyond_the_tolerance_are_wrong(check: Ch
     assert all(map(math.isfinite, expected))
 
 
-def test_a_spoiled_stack_is_noticed(check: Check, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("name", "where", "spoil"), [*((name, *how) for name, how in SABOTAGE.items()), *ALSO]
+)
+def test_a_spoiled_stack_is_noticed(
+    name: str, where: str, spoil: Spoil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    check = installed(name)
     _, expected = numbers(check)
-    where, spoil = SABOTAGE[check.name]
     module, _, path = where.partition(":")
     owner: Any = importlib.import_module(module)
-    *way, name = path.split(".")
+    *way, last = path.split(".")
     for part in way:
         owner = getattr(owner, part)
-    monkeypatch.setattr(owner, name, spoil(getattr(owner, name)))
+    monkeypatch.setattr(owner, last, spoil(getattr(owner, last)))
     assert difference(list(map(float, check.answer())), expected, check.tolerance)
+
+
+def test_two_of_two_hundred_shots_of_the_atoms_may_differ_and_three_may_not() -> None:
+    check = CHECKS["braket-ahs"]
+    expected = check.expected()
+    for place in range(3):
+        for lost, noticed in ((2, False), (3, True)):
+            answer = [*expected[:place], (200 - lost) / 200, *expected[place + 1 :]]
+            assert bool(difference(answer, expected, check.tolerance)) == noticed
 
 
 def test_every_check_has_its_sabotage() -> None:

@@ -18,7 +18,8 @@ from health import samples
 from health.commands import code_of
 
 from qrobot.cli.health import command
-from qrobot.health import CheckResult, all_checks, choose, make_report
+from qrobot.errors import InputError
+from qrobot.health import CheckResult, Limits, all_checks, choose, make_report
 from qrobot.health.model import Finding, Status
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -91,6 +92,26 @@ def test_bad_input_is_one_sentence_before_any_check(
     assert told in said.err
     assert len(said.err.strip().splitlines()) == 1
     assert planted["ran"] == []
+
+
+@pytest.mark.parametrize("option", ["--timeout", "--memory"])
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf", "0", "-1", "much"])
+def test_a_limit_is_a_finite_number_above_zero(
+    planted: dict[str, Any], capsys: pytest.CaptureFixture[str], option: str, number: str
+) -> None:
+    assert code_of("numpy", option, number) == 2
+    said = capsys.readouterr().err
+    assert option in said
+    assert number in said
+    assert planted["ran"] == []
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, 0.0, -1.0])
+@pytest.mark.parametrize("field", ["seconds", "megabytes"])
+def test_limits_refuse_what_limits_nothing(field: str, number: float) -> None:
+    with pytest.raises(InputError, match="give a finite number above 0") as error:
+        Limits(**{field: number})
+    assert error.value.field == field
 
 
 @pytest.mark.parametrize("words", [["merge"], ["compare"], ["compare", "one.json"]])

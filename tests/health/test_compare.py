@@ -123,6 +123,28 @@ def test_a_new_fault_is_worse() -> None:
     assert not compare(other, ONE).worse
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "strict", "plain"),
+    [("good", "warning", 0, 0), ("warning", "good", 0, 0), ("good", "fault", 1, 1),
+     ("unknown", "warning", 0, 0), ("fault", "good", 0, 0)],
+)  # fmt: skip
+def test_the_weather_is_no_drift_unless_it_is_a_fault(
+    before: Any, after: Any, strict: int, plain: int
+) -> None:
+    for name in ("temperature", "memory-available", "clock-synchronised"):
+        one = samples.found(ONE, name, status=before)
+        found = compare(one, samples.found(ONE, name, status=after))
+        assert [change.name for change in found.changes] == [name]  # it is shown
+        assert (len(found.drift), len(found.worse)) == (strict, plain)
+
+
+def test_a_steady_finding_that_changed_is_drift() -> None:
+    other = samples.found(ONE, "memory", status="warning")
+    assert [change.name for change in compare(ONE, other).drift] == ["memory"]
+    assert [change.name for change in compare(other, ONE).drift] == ["memory"]
+    assert not compare(ONE, other).worse
+
+
 def test_what_only_one_of_them_ran_is_named_and_forgiven() -> None:
     other = replace(ONE, checks=(*ONE.checks[1:], samples.check("scipy", "fail")), system=())
     found = compare(ONE, other)

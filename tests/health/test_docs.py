@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
 from health import samples
+from health.commands import code_of
 
 from qrobot.cli.health import command
-from qrobot.health import PROFILES, system_findings
-from qrobot.health.reports import metrics
+from qrobot.health import PROFILES, Report, system_findings
+from qrobot.health.reports import compare, metrics
 from qrobot.health.reports.compare import LARGER, MEGABYTES, SECONDS, SLOWER
 from qrobot.health.system.board import HOT
 from qrobot.health.system.endpoints import SERVICES
@@ -51,6 +53,80 @@ def test_every_metric_is_named() -> None:
         assert f"`{family.name}`" in text or f"`_{name}`" in text or short in text, family.name
     for name in re.findall(r"expr: .*?(qrobot_health_\w+)", text):
         assert name in {family.name for family in metrics(samples.report()).collect()}
+
+
+def rules() -> dict[str, str]:
+    """Return the alerts of the page."""
+    yaml: Any = pytest.importorskip("yaml", reason="PyYAML is not installed")
+    (block,) = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    (group,) = yaml.safe_load(block)["groups"]
+    return {rule["alert"]: rule["expr"] for rule in group["rules"]}
+
+
+def test_the_alert_fires_for_whatever_is_unhealthy() -> None:
+    name, number = rules()["Unhealthy"].split(" == ")
+
+    def fires(one: Report) -> bool:
+        (value,) = [s.value for f in metrics(one).collect() for s in f.samples if s.name == name]
+        return value == float(number)
+
+    good = samples.report(required=True)
+    assert not fires(good)
+    assert fires(samples.changed(good, "numpy", status="absent"))
+    assert fires(samples.changed(good, "numpy", status="error"))
+    assert fires(samples.found(good, "memory", status="fault"))
+    assert not fires(samples.found(good, "memory", status="warning"))
+
+
+def test_the_alert_fires_when_nothing_was_ever_written() -> None:
+    late, never = rules()["HealthNotChecked"].split(" or ")
+    (metric,) = re.findall(r"qrobot_health_\w+", late)
+    assert never == f"absent({metric})"
+
+
+def test_the_jobs_of_the_page_notice_an_absent_stack(
+    planted: dict[str, Any], tmp_path: Path
+) -> None:
+    jobs = re.findall(r"^[\d*/]+ .* robot +qrobot health (.*?) ?>", PAGE.read_text(), re.MULTILINE)
+    assert len(jobs) == 2
+    for job in jobs:
+        words = [re.sub(r"^/var/lib/.*/", f"{tmp_path}/", word) for word in job.split()]
+        if "--compare" in words:
+            at = words.index("--compare")
+            assert code_of(*words[:at], *words[at + 2 :]) == 0  # as the page says: once without
+        assert code_of(*words) == 0
+        planted["status"] = {"dimod": "absent"}
+        assert code_of(*words) == 1
+        planted["status"] = {}
+
+
+def test_the_table_of_drift_is_that_of_the_code() -> None:
+    rows = [line.split(" | ") for line in PAGE.read_text().splitlines() if line.startswith("| ")]
+    told = {row[0].strip("| "): row[-1] for row in rows if len(row) == 3}
+    for name, fact in (
+        ("status of a steady finding", "memory"),
+        ("status of what is another at every moment, such as the temperature", "temperature"),
+    ):
+        one = samples.found(samples.report(), fact, status="good")
+        other = samples.found(one, fact, status="warning")
+        assert bool(compare(one, other).drift) == ("--strict-compare" in told[name])
+        fault = samples.found(one, fact, status="fault")
+        assert bool(compare(one, fault).worse) == ("when it became a fault" in told[name])
+
+
+def test_the_page_names_what_a_new_check_needs() -> None:
+    text = " ".join(PAGE.read_text().split())
+    for words in (
+        "a new extra also needs a line in `FIRST_HELD`",
+        "A notebook belongs to it (`healthchecks/check_networkx.py`); a test holds that none is",
+        "runs in a temporary folder that is deleted afterwards",
+        "`/tmp` or `TMPDIR` must take files",
+        "Under an emulator the memory is the emulator's too",
+        "`healthchecks/check_NAME.py`",
+    ):
+        assert words in text, words
+    for profile in PROFILES:
+        assert f"| `{profile}` |" in text
 
 
 def test_every_option_that_is_named_exists() -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from health.planted import Plant, planter
+from health.planted import Plant, gone, left_behind, planter
 
 from qrobot.health import Check, CheckResult, Limits, run, run_all
 
@@ -50,17 +50,6 @@ ctypes.CFUNCTYPE(None)(ctypes.addressof(ctypes.c_char.from_buffer(page)))()
 @pytest.fixture
 def plant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plant:
     return planter(tmp_path, monkeypatch)
-
-
-def gone(pid: int) -> bool:
-    """Wait for the end of a process that is not ours."""
-    try:
-        left = psutil.Process(pid)
-        if left.status() != psutil.STATUS_ZOMBIE:  # where nobody collects the dead
-            left.wait(timeout=30)
-    except psutil.NoSuchProcess:
-        pass
-    return True
 
 
 @pytest.mark.parametrize("jobs", [1, 3])
@@ -280,10 +269,6 @@ def test_no_room_for_a_folder_is_an_error_that_says_so(
     assert found.status == "error"
     assert "no temporary folder can be made for it (No such file or directory)" in found.message
     assert "TMPDIR" in found.message
-
-
-def left_behind(folder: Path) -> list[Path]:
-    return list(folder.glob("qrobot-health-*"))
 
 
 def settings(plant: Plant, *names: str) -> CheckResult:

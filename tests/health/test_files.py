@@ -99,6 +99,22 @@ def test_a_baseline_may_be_overwritten_by_its_successor(
     assert code_of("--quick", "--compare", last) == 0  # it did not get worse since
 
 
+@pytest.mark.parametrize("option", ["--html", "--junit", "--prometheus"])
+def test_no_other_face_may_overwrite_the_baseline(
+    planted: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    last, link = tmp_path / "last.json", tmp_path / "link"
+    assert code_of("numpy", "-o", last) == 0
+    link.symlink_to(last)
+    text = last.read_text()
+    planted["ran"] = []
+    for path in (last, link):
+        assert code_of("numpy", "--compare", last, option, path) == 2
+        assert "is an input" in capsys.readouterr().err
+    assert planted["ran"] == []
+    assert last.read_text() == text
+
+
 def test_version_drift_fails_only_when_strict(planted: dict[str, Any], tmp_path: Path) -> None:
     last = tmp_path / "last.json"
     assert code_of("numpy", "-o", last) == 0

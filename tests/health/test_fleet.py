@@ -82,9 +82,46 @@ def test_machines_of_one_name_stay_apart() -> None:
     none = replace(one, machine_id=None)
     found = fleet([one, other, none])
     assert sorted(found.machines) == [
-        "raspberrypi (anothe)", "raspberrypi (id-ras)", "raspberrypi (no id)",
+        "raspberrypi (anothe)", "raspberrypi (id-ras)",
+        "raspberrypi (no id, aarch64, Raspberry Pi 4 Model B Rev 1.4)",
     ]  # fmt: skip
     assert found.notes == ("raspberrypi: 3 machines have this name; give each its own",)
+
+
+def test_machines_without_an_id_are_told_apart_by_their_kind() -> None:
+    pi = samples.report("vm", machine_id=None)
+    server = replace(pi, machine="x86_64", model=None)
+    found = fleet([pi, server, replace(server, machine="riscv64")])
+    assert {report.machine for report in found.machines.values()} == {
+        "aarch64", "x86_64", "riscv64",
+    }  # fmt: skip
+    assert "vm (no id, x86_64)" in found.machines
+    assert found.notes == ("vm: 3 machines have this name; give each its own",)
+
+
+def test_reports_that_cannot_be_told_apart_are_said_to_be_so() -> None:
+    one = samples.report("vm", machine_id=None)
+    late = replace(one, made="2026-11-21T08:00:00+00:00", python="3.13.5")
+    found = fleet([late, one])
+    assert found.machines == {"vm": late}
+    assert found.notes[1:] == (
+        "vm has no machine id: reports of several machines of this name cannot be told apart",
+    )
+    assert len(fleet([one, samples.report("b")]).notes) == 0  # one report is of one machine
+
+
+def test_ids_that_begin_alike_lose_no_machine() -> None:
+    machines = [samples.report("pi", machine_id=f"0123456789{k}") for k in "ab"]
+    assert set(fleet(machines).machines) == {"pi (012345)", "pi (0123456789b)"}
+
+
+@pytest.mark.parametrize("digits", ["9" * 5000, "0" * 5000, "\u0663\u0664", "\u00b2"])
+def test_numbers_of_any_length_are_sorted(digits: str) -> None:
+    names = ["pi-9", "pi-010", "pi-11", f"pi-{digits}", "pi"]
+    found = list(fleet([samples.report(name) for name in names]).machines)
+    assert [name for name in found if digits not in name] == ["pi", "pi-9", "pi-010", "pi-11"]
+    if digits.startswith("9"):
+        assert found[-1] == f"pi-{digits}"
 
 
 def test_a_tie_has_no_majority() -> None:

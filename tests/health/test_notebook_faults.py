@@ -11,9 +11,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import psutil
 import pytest
 from health.executed import error_kept, executes, outputs
+from health.planted import CREDENTIALS, gone
 
 from qrobot.errors import InputError, MissingExtraError
 from qrobot.health import Check, Limits, notebooks
@@ -178,8 +178,8 @@ def test_a_stack_that_is_absent_is_not_run(plant: Plant, tmp_path: Path) -> None
 def test_the_kernel_is_this_python_alone_and_without_secrets(
     plant: Plant, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("DWAVE_API_TOKEN", "DEV-0123456789")
-    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "0123456789")
+    for name in CREDENTIALS:
+        monkeypatch.setenv(name, "pl4nted-0123456789")
     spec = tmp_path / "share" / "kernels" / "python3"  # another kernel of the same name
     spec.mkdir(parents=True)
     other = {"argv": ["/bin/false"], "display_name": "other", "language": "python"}
@@ -188,7 +188,8 @@ def test_the_kernel_is_this_python_alone_and_without_secrets(
     answer = f"""
         import os, pathlib, sys, psutil
         assert sys.executable == {sys.executable!r}, sys.executable
-        assert not {{"DWAVE_API_TOKEN", "AWS_SECRET_ACCESS_KEY"}} & set(os.environ)
+        assert not [name for name, value in os.environ.items() if "pl4nted" in value]
+        assert os.path.samefile(os.environ["TMPDIR"], pathlib.Path.cwd())
         doors = psutil.Process().net_connections(kind="inet")
         assert {{door.laddr.ip for door in doors}} <= {{"127.0.0.1"}}, doors
         assert not pathlib.Path.cwd().is_relative_to({str(ROOT)!r})
@@ -199,16 +200,19 @@ def test_the_kernel_is_this_python_alone_and_without_secrets(
 
 
 @executes
-def test_processes_that_a_notebook_left_are_ended(plant: Plant, tmp_path: Path) -> None:
+@pytest.mark.parametrize("own_session", [False, True])
+def test_processes_that_a_notebook_left_are_ended(
+    plant: Plant, tmp_path: Path, own_session: bool
+) -> None:
     note = tmp_path / "pid"
     answer = f"""
         import pathlib, subprocess
-        child = subprocess.Popen(["sleep", "600"])
+        child = subprocess.Popen(["sleep", "600"], start_new_session={own_session})
         pathlib.Path({str(note)!r}).write_text(str(child.pid))
         return [1.0]
     """
     assert run_notebook(plant("parent", answer=answer), tmp_path).status == "pass"
-    assert ended(int(note.read_text()))
+    assert gone(int(note.read_text()))
 
 
 SCRIPT = """
@@ -238,17 +242,7 @@ def test_ctrl_c_ends_the_kernel_too(plant: Plant, tmp_path: Path) -> None:
     process.send_signal(signal.SIGINT)
     _, words = process.communicate(timeout=60)
     assert words.rstrip().endswith(b"KeyboardInterrupt")
-    assert ended(int(note.read_text()))
-
-
-def ended(number: int) -> bool:
-    try:
-        left = psutil.Process(number)
-        if left.status() != psutil.STATUS_ZOMBIE:  # where nobody collects the dead
-            left.wait(timeout=30)
-    except psutil.NoSuchProcess:
-        pass
-    return True
+    assert gone(int(note.read_text()))
 
 
 @executes

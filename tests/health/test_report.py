@@ -124,8 +124,14 @@ def test_an_unreadable_baseline_is_one_sentence(
         (("checks", 1, "run_seconds"), "1", "checks.1.run_seconds"),
         (("made",), "yesterday", "'yesterday' is no time with its zone"),
         (("made",), "2026-11-20T08:00:00", "is no time with its zone"),
+        (("made",), "0001-01-01T00:00:00+14:00", "is no time with its zone"),
+        (("made",), "9999-12-31T23:59:00-14:00", "is no time with its zone"),
         (("system", 0, "value"), {"a": 1}, "system.0.value"),
         (("host",), 5, "host"),
+        (("host",), "9" * 5000, "host: a name of 5000 letters"),
+        (("system", 4, "value"), 10**4000, "is no report"),
+        (("seconds",), 1e200, "is no report"),
+        (("checks", 0, "versions"), {"\x1b[2J": 5}, "checks.0.versions.\ufffd[2J"),
     ],
 )
 def test_a_wrong_field_is_named(

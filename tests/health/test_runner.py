@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
-from health.planted import Plant, planter
+from health.planted import CREDENTIALS, Plant, planter
+from remote.homeless import homeless
 
-from qrobot.health import run
+from qrobot.health import all_checks, run
 
 
 @pytest.fixture
@@ -104,14 +106,16 @@ def test_noise_of_an_sdk_harms_nothing(plant: Plant) -> None:
 
 
 def test_no_credential_reaches_a_check(plant: Plant, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("DWAVE_API_TOKEN", "DEV-0123456789")
-    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "0123456789")
+    for name in CREDENTIALS:
+        monkeypatch.setenv(name, "pl4nted-0123456789")
     body = """
         import os
-        hidden = not {"DWAVE_API_TOKEN", "AWS_SECRET_ACCESS_KEY"} & set(os.environ)
-        return [float(hidden)]
+        assert os.environ["LANG"] == "C.UTF-8"
+        return [1.0 - sum("pl4nted" in value for value in os.environ.values())]
     """
-    assert run(plant("secret", body)).status == "pass"
+    monkeypatch.setenv("LANG", "C.UTF-8")
+    found = run(plant("secret", body))
+    assert found.status == "pass", found.message
 
 
 def test_the_current_folder_hides_no_stack(
@@ -122,3 +126,23 @@ def test_the_current_folder_hides_no_stack(
     (folder / "numpy.py").write_text("raise RuntimeError\n")
     monkeypatch.chdir(folder)
     assert run(plant("shadow", "return [1.0]", imports=("numpy",))).status == "pass"
+
+
+def test_a_user_without_a_home_has_results(plant: Plant, monkeypatch: pytest.MonkeyPatch) -> None:
+    homeless(monkeypatch)
+    found = run(plant("homeless", "return [1.0]"))
+    assert (found.status, found.message) == ("pass", "planted")
+
+
+def test_the_jupyter_check_bears_a_long_way_to_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    check = all_checks()["jupyter"]
+    absent = set(check.distributions) - set(check.versions())
+    if absent:
+        pytest.skip(f"{', '.join(sorted(absent))} not installed")
+    folder = tmp_path / ("x" * 100)
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    found = run(check)
+    assert found.status == "pass", found.message

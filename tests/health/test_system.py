@@ -1,86 +1,18 @@
-"""What is said of a machine, held against made-up machines; whatever is broken, it is told."""
+"""What is said of a machine, held against made-up machines."""
 
 from __future__ import annotations
 
-import json
 import os
-import shutil
-import subprocess
-import sys
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from health.made_up import ASIMD_CRC, LSE, PI4, machine, told, vcgencmd
 
-from qrobot.health import Finding
-from qrobot.health.system import Machine, system_findings
-from qrobot.health.system.clock import clock
+from qrobot.health.system import system_findings
 
-PI4 = {
-    "proc/cpuinfo": "processor\t: 0\nCPU implementer\t: 0x41\nCPU part\t: 0xd08\n"
-    "Model\t\t: Raspberry Pi 4 Model B Rev 1.4\n",
-    "proc/meminfo": "MemTotal:        3884092 kB\nMemFree:  100 kB\nMemAvailable:    3145728 kB\n"
-    "SwapTotal:       524288 kB\nSwapFree:        524288 kB\n",
-    "proc/device-tree/model": "Raspberry Pi 4 Model B Rev 1.4\0",
-    "proc/device-tree/serial-number": "10000000abcdef01\0",
-    "proc/sys/kernel/arch": "aarch64\n",
-    "etc/os-release": 'NAME="Debian"\nPRETTY_NAME="Debian GNU/Linux 12 (bookworm)"\n',
-    "etc/machine-id": "0123456789abcdef0123456789abcdef\n",
-    "sys/class/thermal/thermal_zone0/type": "cpu-thermal\n",
-    "sys/class/thermal/thermal_zone0/temp": "51608\n",
-}
-
-ASIMD_CRC = 1 << 1 | 1 << 7
-LSE = 1 << 8
-
-
-@pytest.fixture(autouse=True)
-def no_tool(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Let nothing on the PATH be found but what a test puts there."""
-    folder = tmp_path / "bin"
-    folder.mkdir()
-    monkeypatch.setenv("PATH", str(folder))
-    return folder
-
-
-def machine(root: Path, files: dict[str, str | bytes] | None = None, **facts: Any) -> Machine:
-    for name, text in (PI4 if files is None else files).items():
-        path = root / "root" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    (root / "root").mkdir(exist_ok=True)
-    known: dict[str, Any] = {
-        "root": root / "root",
-        "architecture": "aarch64",
-        "bits": 64,
-        "page_bytes": 4096,
-        "hwcap": ASIMD_CRC,
-        "python": (3, 11, 2),
-        "implementation": "CPython",
-        "libc": "glibc 2.36",
-        "cores": 4,
-        "folder": root,
-        "now": datetime(2026, 11, 22, tzinfo=UTC),
-    }
-    return Machine(**known | facts)
-
-
-def told(one: Machine) -> dict[str, Finding]:
-    found = {finding.name: finding for finding in system_findings(one)}
-    for finding in found.values():
-        assert finding.message
-        assert "\n" not in finding.message
-        json.dumps(finding.to_dict(), allow_nan=False)
-    return found
-
-
-def vcgencmd(folder: Path, script: str) -> None:
-    tool = folder / "vcgencmd"
-    tool.write_text(f"#!/bin/sh\n{script}\n")
-    tool.chmod(0o755)
+pytestmark = pytest.mark.usefixtures("no_tool")
 
 
 def test_a_pi_4_is_good(tmp_path: Path, no_tool: Path) -> None:
@@ -147,6 +79,18 @@ SMALL = "MemTotal: 921600 kB\nMemAvailable: 204800 kB\nSwapTotal: 0 kB\nSwapFree
         ({"sys/fs/cgroup/memory.max": "max\n"}, "memory", "good", 3884092 // 1024),
         ({"sys/fs/cgroup/memory.max": "536870912\n", "sys/fs/cgroup/memory.current": "419430400"},
          "memory-available", "warning", 112),
+        ({"sys/fs/cgroup/memory.max": "536870912\n", "sys/fs/cgroup/memory.current": "419430400",
+          "sys/fs/cgroup/memory.stat": "file 1\ninactive_file 314572800\nactive_file 7\n"},
+         "memory-available", "good", 412),  # a cache of files is free when somebody needs it
+        ({"sys/fs/cgroup/memory.max": "536870912\n", "sys/fs/cgroup/memory.current": "1000",
+          "sys/fs/cgroup/memory.stat": "inactive_file 2000\n"}, "memory-available", "good", 512),
+        ({"sys/fs/cgroup/memory/memory.limit_in_bytes": "536870912\n",
+          "sys/fs/cgroup/memory/memory.usage_in_bytes": "419430400\n",
+          "sys/fs/cgroup/memory/memory.stat":
+          "inactive_file 1048576\ntotal_inactive_file 314572800\n"},
+         "memory-available", "good", 412),
+        ({"sys/fs/cgroup/memory/memory.limit_in_bytes": "9223372036854771712\n"},
+         "memory", "good", 3884092 // 1024),
         ({"sys/class/thermal/thermal_zone0/temp": "80000"}, "temperature", "warning", 80.0),
         ({"sys/class/thermal/thermal_zone0/temp": "79900"}, "temperature", "good", 79.9),
         ({"sys/class/thermal/thermal_zone0/temp": "999999999"}, "temperature", "unknown", None),
@@ -204,80 +148,6 @@ def test_x86_features_come_from_the_kernels_list(tmp_path: Path) -> None:
     assert found["emulation"].value == "virtual machine"
 
 
-@pytest.mark.parametrize(
-    ("said", "status", "words"),
-    [
-        ("throttled=0x0", "good", ["not since the start"]),
-        ("throttled=0x1", "warning", ["under-voltage now", "power supply"]),
-        ("throttled=0x50005", "warning",
-         ["under-voltage and throttled now", "under-voltage and throttled since the start"]),
-        ("throttled=0xe0000", "warning",
-         ["frequency capped and throttled and soft temperature limit since", "fan"]),
-        ("throttled=0xZZ", "unknown", ["group video"]),
-        ("VCHI initialization failed", "unknown", ["group video"]),
-        ("", "unknown", ["group video"]),
-    ],
-)  # fmt: skip
-def test_throttling_bits_are_decoded(
-    tmp_path: Path, no_tool: Path, said: str, status: str, words: list[str]
-) -> None:
-    vcgencmd(no_tool, f"echo '{said}'")
-    finding = told(machine(tmp_path))["throttled"]
-    assert finding.status == status
-    for word in words:
-        assert word in finding.message
-
-
-@pytest.mark.parametrize(
-    "script", ["exit 1", "exec sleep 60", "head -c 300000 /dev/urandom", "kill -9 $$"]
-)
-def test_a_broken_vcgencmd_harms_nothing(
-    tmp_path: Path, no_tool: Path, monkeypatch: pytest.MonkeyPatch, script: str
-) -> None:
-    monkeypatch.setenv("PATH", f"{no_tool}:/usr/bin:/bin")
-    vcgencmd(no_tool, script)
-    assert told(machine(tmp_path))["throttled"].status == "unknown"
-
-
-def test_a_vcgencmd_that_is_no_program_harms_nothing(tmp_path: Path, no_tool: Path) -> None:
-    (no_tool / "vcgencmd").write_bytes(b"\x7fELFnonsense")
-    (no_tool / "vcgencmd").chmod(0o755)
-    assert told(machine(tmp_path))["throttled"].status == "unknown"
-
-
-def test_an_empty_root_tells_nothing_and_raises_nothing(tmp_path: Path) -> None:
-    found = told(machine(tmp_path, {}, hwcap=0, libc="", architecture=""))
-    for name in ("board", "temperature", "throttled", "cpu", "os", "memory", "swap-used"):
-        assert found[name].status == "unknown"
-        assert found[name].value is None
-
-
-@given(noise=st.binary(max_size=300))
-def test_noise_in_every_file_raises_nothing(
-    noise: bytes, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    root = tmp_path_factory.mktemp("noise")
-    found = told(machine(root, dict.fromkeys(PI4, noise)))
-    assert len(found) == 19
-    assert not [name for name, finding in found.items() if "could not be told" in finding.message]
-
-
-def test_folders_where_files_should_be_raise_nothing(tmp_path: Path) -> None:
-    for name in PI4:
-        (tmp_path / "root" / name).mkdir(parents=True)
-    assert len(told(machine(tmp_path, {}))) == 19
-
-
-def test_a_probe_that_raises_is_unknown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(self: Machine, path: str) -> str:
-        raise RuntimeError("secret words")
-
-    monkeypatch.setattr(Machine, "text", broken)
-    found = told(machine(tmp_path))
-    assert found["board"].message == "could not be told: RuntimeError"
-    assert "clock-synchronised" in found
-
-
 def test_the_digest_tells_cloned_cards_apart(tmp_path: Path) -> None:
     one = machine(tmp_path / "a").identity()
     other = {**PI4, "proc/device-tree/serial-number": "10000000abcdef02\0"}
@@ -299,26 +169,3 @@ def test_this_machine_is_told_as_others_tell_it(monkeypatch: pytest.MonkeyPatch)
     assert memory <= os.sysconf("SC_PHYS_PAGES") * page // 2**20
     if os.uname().machine == "aarch64":
         assert found["cpu-features"].value is not None
-
-
-@pytest.mark.parametrize(
-    ("state", "status"), [(True, "good"), (False, "warning"), (None, "unknown")]
-)
-def test_the_clock(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, state: bool | None, status: str
-) -> None:
-    monkeypatch.setattr(sys.modules[clock.__module__], "synchronised", lambda: state)
-    (finding,) = clock(machine(tmp_path))
-    assert (finding.status, finding.value) == (status, state)
-
-
-def test_the_kernels_own_word_on_the_clock_agrees(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", os.defpath)
-    tool = shutil.which("adjtimex") or shutil.which("ntptime")
-    from qrobot.health.system.clock import synchronised
-
-    if tool is None:
-        pytest.skip("no other program to ask the kernel")
-    said = subprocess.run([tool, *(["-p"] if "adjtimex" in tool else [])],
-                          capture_output=True, text=True, check=False).stdout  # fmt: skip
-    assert synchronised() is not ("UNSYNC" in said or "status: 64" in said)

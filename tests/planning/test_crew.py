@@ -20,8 +20,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(autouse=True)
-def package_on_the_path(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+def nothing_on_the_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What we can import, a helper must, without help from outside."""
+    monkeypatch.delenv("PYTHONPATH", raising=False)
 
 
 @pytest.mark.parametrize("backend", ["pyvrp-plain", "batching"])
@@ -34,6 +35,20 @@ def test_helpers_bring_plans(backend: str) -> None:
     crew.close(found.append, wait=60)
     assert found
     assert all(plan_fits(instance, plan) for plan in found)
+
+
+@pytest.mark.parametrize("name", ["numpy", "json", "qrobot"])
+def test_a_file_in_the_current_folder_is_not_run_by_helpers(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trap = tmp_path / "was run"
+    (tmp_path / f"{name}.py").write_text(f"open({str(trap)!r}, 'w').close()\n")
+    monkeypatch.chdir(tmp_path)
+    crew = Crew(paper_shaped(30, 4, 1), "batching", seed=1, seconds=None, max_work=40, helpers=1)
+    found: list[Routes] = []
+    crew.close(found.append, wait=60)
+    assert found
+    assert not trap.exists()
 
 
 def test_closing_ends_helpers_before_their_deadline() -> None:

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from remote.fake_service import FileService
+from remote.homeless import homeless
 
 from qrobot.errors import CredentialsError, QRobotError
 from qrobot.remote import JobStore, Options, presence, redact, redact_data, register_secret, run_job
@@ -102,6 +103,24 @@ def test_broken_credential_files_are_no_trouble(home: Path) -> None:
         (home / path).write_bytes(b"\xff[half")
     assert not presence("dwave").present
     assert redact("fine") == "fine"
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_a_user_without_a_home_has_no_credentials_and_no_trouble(
+    named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    homeless(monkeypatch)
+    for variable in (
+        "DWAVE_CONFIG_FILE", "QISKIT_IBM_CREDENTIALS_FILE", "AWS_SHARED_CREDENTIALS_FILE",
+        "AWS_CONFIG_FILE",
+    ):  # fmt: skip
+        if named:
+            monkeypatch.setenv(variable, "~nobody-of-this-name/credentials")
+        else:
+            monkeypatch.delenv(variable, raising=False)
+    assert redact("fine") == "fine"
+    for service in ("dwave", "ibm", "aws"):
+        assert not presence(service).present
 
 
 def test_files_open_to_others_are_told(home: Path) -> None:

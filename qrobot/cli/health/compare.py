@@ -7,19 +7,23 @@ import sys
 
 import click
 
+from qrobot.cli.options import FILE
+from qrobot.cli.streams import say
+
 __all__ = ["compare_"]
 
 
 @click.command("compare")
-@click.argument("before", type=click.Path())
-@click.argument("after", type=click.Path())
-@click.option("--strict", is_flag=True, help="Any drift but that of times and memory is code 1.")
+@click.argument("before", type=FILE)
+@click.argument("after", type=FILE)
+@click.option("--strict", is_flag=True, help="Any drift is code 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def compare_(before: str, after: str, strict: bool, as_json: bool) -> None:
     """Show what drifted from one report to another.
 
     Exit code 0: nothing got worse, 1: a check did or a fact of the machine became a fault, 2: a
-    file is no report.
+    file is no report. Times, memory and what is another at every moment, such as a temperature,
+    are no drift.
 
     \b
     Examples:
@@ -31,5 +35,5 @@ def compare_(before: str, after: str, strict: bool, as_json: bool) -> None:
     from qrobot.health.reports import compare
 
     found = compare(read_report(before), read_report(after))
-    click.echo(json.dumps(found.to_dict(), indent=1) if as_json else show_comparison(found))
+    say(json.dumps(found.to_dict(), indent=1) if as_json else show_comparison(found))
     sys.exit(1 if found.worse or (strict and found.drift) else 0)

@@ -7,12 +7,15 @@ import sys
 
 import click
 
+from qrobot.cli.options import FILE
+from qrobot.cli.streams import say
+
 __all__ = ["merge"]
 
 
 @click.command("merge")
-@click.argument("files", nargs=-1, required=True, type=click.Path())
-@click.option("--html", "html_path", type=click.Path(), help="Write a page.")
+@click.argument("files", nargs=-1, required=True, type=FILE)
+@click.option("--html", "html_path", type=FILE, help="Write a page.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
     """Show which machine of a fleet differs, and in what.
@@ -41,7 +44,7 @@ def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
             write_text_atomic(html_path, fleet_html(found))
         except InputError as error:  # a full disk; the terminal still has it
             trouble = error
-    click.echo(json.dumps(found.to_dict(), indent=1) if as_json else show_fleet(found))
+    say(json.dumps(found.to_dict(), indent=1) if as_json else show_fleet(found))
     if trouble is not None:
         raise trouble
     sys.exit(1 if found.unhealthy else 0)

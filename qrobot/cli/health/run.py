@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import click
 
+from qrobot.cli.health.limit import Limit
+from qrobot.cli.options import FILE
+from qrobot.cli.streams import say
+
 if TYPE_CHECKING:
+    from qrobot.errors import InputError
     from qrobot.health import Check, CheckResult, Limits
 
 __all__ = ["run"]
@@ -30,15 +36,20 @@ class Run(click.Command):
 @click.option("--list", "as_list", is_flag=True, help="List the checks and run none.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 @click.option("--schema", is_flag=True, help="Print the JSON Schema of the report and run none.")
-@click.option("--output", "-o", type=click.Path(), help="Write the report as JSON.")
-@click.option("--junit", "junit_path", type=click.Path(), help="Write it as JUnit XML.")
-@click.option("--html", "html_path", type=click.Path(), help="Write it as a page.")
-@click.option("--prometheus", type=click.Path(), help="Write it as metrics, a file NAME.prom.")
-@click.option("--compare", "baseline", type=click.Path(), help="Show what drifted since a report.")
-@click.option("--strict-compare", is_flag=True, help="Then any drift is code 1, but of times.")
+@click.option("--output", "-o", type=FILE, help="Write the report as JSON.")
+@click.option("--junit", "junit_path", type=FILE, help="Write it as JUnit XML.")
+@click.option("--html", "html_path", type=FILE, help="Write it as a page.")
+@click.option("--prometheus", type=FILE, help="Write it as metrics, a file NAME.prom.")
+@click.option(
+    "--compare",
+    "baseline",
+    type=FILE,
+    help="Show what drifted since a report.",
+)
+@click.option("--strict-compare", is_flag=True, help="Then any drift is code 1.")
 @click.option(
     "--notebooks",
-    type=click.Path(),
+    type=FILE,
     help="Run the notebooks, one by one, and keep them in a folder.",
 )
 @click.option(
@@ -46,7 +57,7 @@ class Run(click.Command):
 )
 @click.option(
     "--timeout",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Limit(),
     default=300.0,
     show_default=True,
     metavar="SECONDS",
@@ -54,7 +65,7 @@ class Run(click.Command):
 )
 @click.option(
     "--memory",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Limit(),
     default=2048.0,
     show_default=True,
     metavar="MB",
@@ -76,7 +87,8 @@ def run(
     --profile it is. The machine is looked at too: a fault there counts, a warning does not.
 
     Exit code 0: healthy, 1: a check failed, the machine has a fault, or something got worse
-    since --compare, 2: bad input, or a report could not be written.
+    since --compare, 2: bad input, or a report or notebook could not be written. Times, memory
+    and what is another at every moment, such as a temperature, are no drift.
 
     \b
     Examples:
@@ -94,6 +106,7 @@ def run(
     from qrobot.health.reports import as_json as json_text
     from qrobot.health.reports import compare, save
     from qrobot.health.schema import schema_text
+    from qrobot.health.signals import exit_on_signals
     from qrobot.report.outputs import check_outputs
 
     if schema:
@@ -113,15 +126,19 @@ def run(
         )
     # All that can be refused is refused now: the checks take minutes.
     before = read_report(baseline) if baseline else None
-    check_outputs([path for path in (output, junit_path, html_path, prometheus) if path])
+    faces = [path for path in (junit_path, html_path, prometheus) if path]
+    check_outputs([*faces, *([output] if output else [])])
+    if baseline:
+        check_outputs(faces, [baseline])  # which --output alone may replace
     if notebooks:
         from qrobot.health.notebooks import prepare
 
-        prepare(notebooks)
+        prepare(notebooks, checks)
+    click.get_current_context().with_resource(exit_on_signals())
     limits = Limits(seconds=timeout, megabytes=memory)
     clock = Clockwork()
     findings = [] if no_system else system_findings(network=network)
-    results = _results(checks, limits, jobs, notebooks)
+    results, troubles = _results(checks, limits, jobs, notebooks)
     report = make_report(
         results,
         findings,
@@ -130,7 +147,7 @@ def run(
         required=bool(names or profile),
     )
     drift = compare(before, report) if before else None
-    troubles = save(
+    troubles += save(
         report,
         drift,
         output=output,
@@ -138,9 +155,9 @@ def run(
         html_path=html_path,
         prometheus=prometheus,
     )
-    click.echo(json_text(report, drift) if as_json else show_report(report, drift))
+    say(json_text(report, drift) if as_json else show_report(report, drift))
     for trouble in troubles:
-        click.echo(f"qrobot: {trouble}", err=True)
+        say(f"qrobot: {trouble}", err=True)
     if troubles:
         sys.exit(2)
     worse = drift is not None and (drift.worse or (strict_compare and drift.drift))
@@ -149,7 +166,8 @@ def run(
 
 def _results(
     checks: list[Check], limits: Limits, jobs: int, notebooks: str | None
-) -> list[CheckResult]:
+) -> tuple[list[CheckResult], list[InputError]]:
+    """Return what the checks gave, and why copies of notebooks could not be written."""
     from qrobot.health import run_all
 
     begun = 0
@@ -157,14 +175,11 @@ def _results(
     def tell(check: Check) -> None:
         nonlocal begun
         begun += 1
-        click.echo(f"{begun}/{len(checks)} {check.name}", err=True)
+        with suppress(OSError):  # as of a log on a full disk
+            say(f"{begun}/{len(checks)} {check.name}", err=True)
 
     if notebooks is None:
-        return run_all(checks, limits, jobs=jobs, progress=tell)
-    from qrobot.health.notebooks import run_notebook
+        return run_all(checks, limits, jobs=jobs, progress=tell), []
+    from qrobot.health.notebooks import run_notebooks
 
-    results = []
-    for check in checks:
-        tell(check)
-        results.append(run_notebook(check, notebooks, limits))
-    return results
+    return run_notebooks(checks, notebooks, limits, progress=tell)

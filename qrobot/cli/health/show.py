@@ -1,7 +1,8 @@
-"""Reports on a terminal."""
+"""Reports on a terminal, which must obey no character of theirs."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,13 +20,13 @@ def show_report(report: Report, comparison: Comparison | None) -> str:
     from qrobot.health.reports import attention, checks_table, machine_line, totals_line
 
     findings, checks = attention(report)
-    lines = []
+    lines: list[str] = []
     if report.system:
-        lines.append(machine_line(report))
+        lines += _lines([machine_line(report)])
     if report.checks:
         lines.append(_text(checks_table(report)))
-    lines += [f"{check.name}: {check.message}" for check in checks]
-    lines += [_sentence(finding) for finding in findings]
+    lines += _lines(f"{check.name}: {check.message}" for check in checks)
+    lines += _lines(_sentence(finding) for finding in findings)
     if comparison is not None:
         lines.append(show_comparison(comparison))
     return "\n".join([*lines, totals_line(report)])
@@ -34,22 +35,29 @@ def show_report(report: Report, comparison: Comparison | None) -> str:
 def show_comparison(comparison: Comparison) -> str:
     """Return the changes as a table."""
     lines = [_text(comparison.table())] if comparison.changes else []
-    return "\n".join([*lines, comparison.headline()])
+    return "\n".join([*lines, *_lines([comparison.headline()])])
 
 
 def show_fleet(fleet: Fleet) -> str:
     """Return the machines as a table, and what differs in sentences."""
     few = len(fleet.columns) <= COLUMNS
     lines = [_text(fleet.table(None if few else []))]
-    lines += [column.sentence() for column in fleet.columns]
-    lines += [*fleet.bad_lines(), *fleet.slow_lines(), *fleet.notes]
+    lines += _lines(column.sentence() for column in fleet.columns)
+    lines += _lines([*fleet.bad_lines(), *fleet.slow_lines(), *fleet.notes])
     return "\n".join([*lines, fleet.headline()])
 
 
 def _text(table: Table) -> str:
     from qrobot.report.text import columns
 
-    return columns(table.heads, table.rows, table.numbers)
+    return columns(_lines(table.heads), [_lines(row) for row in table.rows], table.numbers)
+
+
+def _lines(texts: Iterable[str]) -> list[str]:
+    """Return each text as one line that a terminal only shows."""
+    from qrobot.health.plain import plain
+
+    return [plain(text) for text in texts]
 
 
 def _sentence(finding: Finding) -> str:

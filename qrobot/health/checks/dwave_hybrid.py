@@ -10,9 +10,15 @@ import numpy as np
 from qrobot.health import known
 from qrobot.health.check import Check
 
+TURNS = 20
+"""Of the parts alone."""
+
 
 def answer() -> list[float]:
-    """Return the lowest energy that the workflow tells, and that of its state in numpy."""
+    """Return the energy that a workflow tells, that of its state, and that of its parts alone.
+
+    Tabu on all eight spins would hide a part that does nothing: the parts must do it alone too.
+    """
     import dimod
 
     hybrid: Any = importlib.import_module("hybrid")
@@ -25,10 +31,18 @@ def answer() -> list[float]:
     )
     whole = hybrid.TabuProblemSampler(timeout=100)
     workflow = hybrid.Loop(hybrid.Parallel(part, whole) | hybrid.ArgMin(), max_iter=3)
+    # The best of all turns: on a busy machine tabu's time may be over before it began.
+    alone = hybrid.Loop(part | hybrid.TrackMin(output=True), max_iter=TURNS)
     start = hybrid.State.from_sample(dict.fromkeys(range(len(known.FIELDS)), 1), model)
     best = workflow.run(start).result().samples.first
     state = np.array([[best.sample[k] for k in range(len(known.FIELDS))]])
-    return [float(best.energy), float(known.energies(state)[0])]
+    by_parts = alone.run(start).result().samples.first
+    return [float(best.energy), float(known.energies(state)[0]), float(by_parts.energy)]
+
+
+def expected() -> list[float]:
+    """Return the ground state energy, three times."""
+    return [known.lowest()] * 3
 
 
 CHECK = Check(
@@ -38,7 +52,7 @@ CHECK = Check(
     imports=("hybrid",),
     distributions=("dwave-hybrid",),
     answer=answer,
-    expected=known.ground_expected,
+    expected=expected,
     source="all 256 states in numpy",
     extra="dwave",
 )

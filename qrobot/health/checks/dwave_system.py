@@ -1,6 +1,7 @@
-"""D-Wave's Ocean against its mock QPU: embed, sample, unembed; energies are worked out anew.
+"""D-Wave's Ocean against its mock QPU: embed, sample, unembed; the best read is the ground state.
 
-The mock is a heuristic, so no optimum is asserted.
+What comes back has energies of the model, whatever went to the device. So the states must be good:
+the mock is a heuristic, but a model of eight spins it solves in a tenth of its reads.
 """
 
 from __future__ import annotations
@@ -10,11 +11,11 @@ import numpy as np
 from qrobot.health import known
 from qrobot.health.check import Check
 
-READS = 20
+READS = 200
 
 
 def answer() -> list[float]:
-    """Return the reads, the largest error of an energy, and how far one is below the ground."""
+    """Return the reads, the largest error of an energy, and the lowest energy."""
     import dimod
     from dwave.system import EmbeddingComposite
     from dwave.system.testing import MockDWaveSampler
@@ -31,13 +32,13 @@ def answer() -> list[float]:
     return [
         float(found.record.num_occurrences.sum()),
         float(np.abs(told - true).max()),
-        float(max(0.0, known.lowest() - told.min())),
+        float(told.min()),
     ]
 
 
 def expected() -> list[float]:
-    """Return all reads, and no error."""
-    return [READS, 0.0, 0.0]
+    """Return all reads, no error, and the ground state energy."""
+    return [READS, 0.0, known.lowest()]
 
 
 CHECK = Check(
@@ -48,6 +49,6 @@ CHECK = Check(
     distributions=("dwave-system", "dwave-cloud-client"),
     answer=answer,
     expected=expected,
-    source="the definition of the energy, in numpy",
+    source="all 256 states in numpy",
     extra="dwave",
 )

@@ -38,6 +38,8 @@ class Change:
         As text; ``-`` where there was or is none.
     worse
         A check that got worse, or a fact that became a fault.
+    steady
+        Whether it stays as it is when nobody changes the machine; a temperature does not.
     """
 
     kind: Kind
@@ -45,6 +47,7 @@ class Change:
     before: str
     after: str
     worse: bool = False
+    steady: bool = True
 
 
 @dataclass(frozen=True)
@@ -73,8 +76,16 @@ class Comparison:
 
     @property
     def drift(self) -> list[Change]:
-        """The changes that ``--strict-compare`` does not forgive: all that clocks do not make."""
-        return [change for change in self.changes if change.kind not in ("time", "memory")]
+        """The changes that ``--strict-compare`` does not forgive.
+
+        All but times, memory and the weather: what is another at every moment only counts when
+        it became a fault.
+        """
+        return [
+            change
+            for change in self.changes
+            if change.kind not in ("time", "memory") and (change.steady or change.worse)
+        ]
 
     def table(self) -> Table:
         """Return one row a change."""
@@ -142,7 +153,7 @@ def _findings(before: Report, after: Report) -> Iterator[Change]:
         old = before.finding(finding.name)
         if old is not None and old.status != finding.status:
             worse = finding.status == "fault"
-            yield Change("status", finding.name, old.status, finding.status, worse)
+            yield Change("status", finding.name, old.status, finding.status, worse, finding.steady)
 
 
 def _machine(before: Report, after: Report) -> Iterator[Change]:

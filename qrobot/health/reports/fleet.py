@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from functools import cached_property
 from typing import Any
 
 from qrobot.health.model import Report
 from qrobot.health.reports.facts import facts
+from qrobot.health.reports.machines import newest
 from qrobot.health.reports.pace import paces
 from qrobot.health.reports.table import Table, count, totals_line, when
 
@@ -192,45 +191,10 @@ class Fleet:
 
 
 def fleet(reports: Sequence[Report]) -> Fleet:
-    """Return the view of many machines.
-
-    Of several reports of one machine (its name and its id) the newest counts. Machines of one
-    name with other ids, such as Pis that were never renamed, stay apart.
-    """
-    newest: dict[tuple[str, str | None], Report] = {}
-    many: Counter[tuple[str, str | None]] = Counter()
-    for report in reports:
-        key = (report.host, report.machine_id)
-        many[key] += 1
-        if key not in newest or _time_of(report) >= _time_of(newest[key]):
-            newest[key] = report
-    notes = []
-    for key, times in many.items():
-        if times > 1:
-            made = newest[key].made
-            notes.append(f"{key[0]}: {times} reports, the newest ({made}) counts")
-    hosts = Counter(host for host, _ in newest)
-    for host, many_of in hosts.items():
-        if many_of > 1:
-            notes.append(f"{host}: {many_of} machines have this name; give each its own")
-    named = {
-        key[0] if hosts[key[0]] == 1 else f"{key[0]} ({(key[1] or 'no id')[:6]})": report
-        for key, report in newest.items()
-    }
-    machines = {name: named[name] for name in sorted(named, key=_natural)}
+    """Return the view of many machines; of several reports of one machine the newest counts."""
+    machines, notes = newest(reports)
     pace, slow = paces(machines)
     return Fleet(machines, tuple(_columns(machines)), pace, slow, tuple(notes))
-
-
-def _time_of(report: Report) -> datetime:
-    return datetime.fromisoformat(report.made)
-
-
-def _natural(name: str) -> list[tuple[int, str]]:
-    """Return a key that sorts pi-9 before pi-10."""
-    return [
-        (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
-    ]
 
 
 def _columns(machines: dict[str, Report]) -> list[Column]:

@@ -28,16 +28,35 @@ def memory(machine: Machine) -> Iterator[Finding]:
     """Find out about memory and disk."""
     sizes = _sizes(machine.text("proc/meminfo") or "")
     total, available = sizes.get("MemTotal"), sizes.get("MemAvailable")
-    limit = machine.number("sys/fs/cgroup/memory.max")  # "max" without a limit
-    limit = None if limit is None else limit // 2**20
+    limit, used = _container(machine)
     limited = total is not None and limit is not None and limit < total
     if limited and limit is not None:
-        used = machine.number("sys/fs/cgroup/memory.current") or 0
-        total, available = limit, min(available or limit, max(0, limit - used // 2**20))
+        total, available = limit, min(available or limit, max(0, limit - used))
     yield _total(total, " by the container's limit" if limited else "")
     yield _available(available)
     yield _swap(sizes.get("SwapTotal"), sizes.get("SwapFree"), total)
     yield _disk(machine)
+
+
+CGROUPS = (
+    ("sys/fs/cgroup/memory.max", "sys/fs/cgroup/memory.current",
+     "sys/fs/cgroup/memory.stat", "inactive_file"),
+    ("sys/fs/cgroup/memory/memory.limit_in_bytes", "sys/fs/cgroup/memory/memory.usage_in_bytes",
+     "sys/fs/cgroup/memory/memory.stat", "total_inactive_file"),
+)  # fmt: skip
+"""Version 2 and version 1: the limit (``max`` without one), the use, and the part of the use that
+is a cache of files, which the kernel gives back before anything is killed."""
+
+
+def _container(machine: Machine) -> tuple[int | None, int]:
+    """Return the container's limit and what programs hold of it, in MiB."""
+    for most, now, statistics, cache in CGROUPS:
+        limit, used = machine.number(most), machine.number(now) or 0
+        if limit is not None:
+            text = machine.text(statistics) or ""
+            found = re.search(rf"^{cache} (\d{{1,18}})$", text, re.MULTILINE)
+            return limit // 2**20, max(0, used - (int(found[1]) if found else 0)) // 2**20
+    return None, 0
 
 
 def _sizes(text: str) -> dict[str, int]:
