@@ -7,10 +7,13 @@ VENV ?= .venv
 PROFILE ?= solver
 # pytest's own options; "-n 2" uses two cores.
 PYTEST_ARGS ?= -n 2
+STACK_ARGS ?=
 BENCH_ARGS ?=
 # What `make image` builds: solver, edge or lab; for one or both machines; on trixie (3.13) or
 # bookworm (3.11).
 TARGET ?= edge
+# What `make test-images` builds and tries.
+IMAGES ?= solver edge lab
 PLATFORM ?= linux/$(if $(filter aarch64 arm64,$(shell uname -m)),arm64,amd64)
 RELEASE ?= trixie
 UV_VERSION = 0.13.9
@@ -24,7 +27,8 @@ pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
 # What says more with the SDKs installed than without.
 comma = ,
 image-packages = buildah skopeo mmdebstrap arch-test debian-archive-keyring docker.io iptables qemu-user-static binfmt-support
-stack-tests = tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/health tests/cli
+stack-tests = tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/cli \
+  tests/health/test_answers.py tests/health/test_notebooks.py tests/health/test_profiles.py
 source = qrobot tests benchmarks docker examples healthchecks locks
 
 .DEFAULT_GOAL := help
@@ -57,7 +61,7 @@ test: $(stamp)-dev ## run the tests (PYTEST_ARGS="-k name")
 	$(bin)/python -m pytest $(PYTEST_ARGS)
 
 test-stacks: $(stamp)-dev $(stamp)-edge ## run the tests of the quantum stacks too: installs the profile edge (1.5 GB)
-	$(bin)/python -m pytest $(PYTEST_ARGS) $(stack-tests)
+	$(bin)/python -m pytest $(PYTEST_ARGS) $(stack-tests) $(STACK_ARGS)
 
 tutorial: $(stamp)-dev $(stamp)-edge ## run the tutorial as a notebook: build/tutorial.ipynb and .html
 	@mkdir -p build
@@ -96,9 +100,10 @@ image: ## build an image: TARGET=solver, edge or lab, PLATFORM=linux/arm64,linux
 	fi
 
 test-images: $(stamp)-dev ## build the images for this machine and hold them to what docs/images.md says
-	docker/engine.sh start
-	for target in solver edge lab; do docker/image.sh $$target $(PLATFORM) $(RELEASE) || exit 1; done
-	QROBOT_IMAGES=$(RELEASE) $(bin)/python -m pytest tests/images; status=$$?; docker/engine.sh stop; exit $$status
+	@set -eu; \
+	if [ "$$(docker/engine.sh start)" = started ]; then trap 'docker/engine.sh stop' EXIT; fi; \
+	for target in $(IMAGES); do docker/image.sh $$target $(PLATFORM) $(RELEASE); done; \
+	QROBOT_IMAGES=$(RELEASE) QROBOT_TARGETS='$(IMAGES)' $(bin)/python -m pytest tests/images
 
 test-arm64: ## prove the arm64 images on an emulated Cortex-A72: reports in build/arm64
 	docker/test-arm64.sh

@@ -25,17 +25,17 @@ target "image" {
 target "solver" {
   inherits = ["image"]
   target = "solver"
-  tags = ["${IMAGE}:solver", "${IMAGE}:solver-${RELEASE}"]
+  tags = RELEASE == "trixie" ? ["${IMAGE}:solver", "${IMAGE}:solver-trixie"] : ["${IMAGE}:solver-${RELEASE}"]
 }
 
 target "edge" {
   inherits = ["image"]
   target = "edge"
-  tags = ["${IMAGE}:edge", "${IMAGE}:edge-${RELEASE}"]
+  tags = RELEASE == "trixie" ? ["${IMAGE}:edge", "${IMAGE}:edge-trixie"] : ["${IMAGE}:edge-${RELEASE}"]
 }
 
 target "lab" {
   inherits = ["image"]
   target = "lab"
-  tags = ["${IMAGE}:lab", "${IMAGE}:lab-${RELEASE}"]
+  tags = RELEASE == "trixie" ? ["${IMAGE}:lab", "${IMAGE}:lab-trixie"] : ["${IMAGE}:lab-${RELEASE}"]
 }

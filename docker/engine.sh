@@ -1,9 +1,9 @@
 #!/bin/sh
 # Make this machine ready to run images of both kinds: qemu-user for the other one, and an engine.
-# Usage: docker/engine.sh start | stop
+# Usage: docker/engine.sh start | stop | emulation
 #
 # Where a Docker engine answers, it is used and left alone. Where none does, one is started by
-# hand as root, in build/engine, and `stop` ends it again.
+# hand as root, in build/engine, and `start` says "started": whoever reads that stops it again.
 set -eu
 cd "$(dirname "$0")/.."
 state=$PWD/build/engine
@@ -21,12 +21,20 @@ emulation() {
 start() {
   emulation
   if docker info >/dev/null 2>&1; then return; fi
+  [ "$(id -u)" = 0 ] || {
+    echo "Docker does not answer: start it, or join the group docker" >&2
+    exit 1
+  }
   command -v dockerd >/dev/null || { echo "no Docker engine: make image-tools installs one" >&2; exit 1; }
   mkdir -p "$state"
   nohup dockerd --data-root "$state/data" --exec-root "$state/run" --pidfile "$state/pid" \
     >"$state/log" 2>&1 &
   for _ in $(seq 60); do
-    if docker info >/dev/null 2>&1; then return; fi
+    if docker info >/dev/null 2>&1; then
+      echo started
+      return
+    fi
+    kill -0 $! 2>/dev/null || break
     sleep 1
   done
   tail -5 "$state/log" >&2
@@ -37,6 +45,10 @@ start() {
 stop() { # only the engine that was started here
   [ -s "$state/pid" ] || return 0
   pid=$(cat "$state/pid")
+  if [ "$(cat "/proc/$pid/comm" 2>/dev/null)" != dockerd ]; then # the number is somebody else's by now
+    rm -f "$state/pid"
+    return 0
+  fi
   kill "$pid" 2>/dev/null || :
   for _ in $(seq 30); do
     if ! kill -0 "$pid" 2>/dev/null; then break; fi
@@ -48,5 +60,6 @@ stop() { # only the engine that was started here
 case ${1:-} in
   start) start ;;
   stop) stop ;;
-  *) echo "usage: docker/engine.sh start | stop" >&2; exit 2 ;;
+  emulation) emulation ;;
+  *) echo "usage: docker/engine.sh start | stop | emulation" >&2; exit 2 ;;
 esac

@@ -5,66 +5,57 @@
 # The result is qrobot:TARGET-RELEASE-ARCH in buildah's store (buildah), or in Docker's (buildx).
 # buildah makes of several platforms one manifest list, qrobot:TARGET-RELEASE; a list by buildx
 # goes to a registry: docker buildx bake -f docker/docker-bake.hcl --push. BUILDER=buildah or buildx
-# decides where both are there; BASE names another base image, best by its digest.
+# decides where both are there; BASE names another base image, best by its digest; NO_CACHE=1
+# builds and fetches everything anew.
 set -eu
 target=$1 platforms=$2 release=$3
 cd "$(dirname "$0")/.."
 base=${BASE:-docker.io/library/debian:$release-slim}
 version=$(sed -n 's/^__version__ = "\(.*\)"/\1/p' qrobot/_version.py)
 revision=$(git rev-parse HEAD 2>/dev/null || echo unknown)
+git diff --quiet HEAD 2>/dev/null || revision=$revision-dirty
 epoch=$(git log -1 --format=%ct 2>/dev/null || echo 0)
-
-builder=${BUILDER:-}
-if [ -z "$builder" ]; then
-  if docker buildx version >/dev/null 2>&1; then builder=buildx; else builder=buildah; fi
-fi
-
-case $builder in
-  buildx)
-    for platform in $(echo "$platforms" | tr , ' '); do
-      arch=${platform#linux/}
-      echo "Building qrobot:$target-$release-$arch"
-      env BASE="$base" RELEASE="$release" VERSION="$version" REVISION="$revision" \
-        SOURCE_DATE_EPOCH="$epoch" docker buildx bake --file docker/docker-bake.hcl "$target" \
-        --set "*.platform=$platform" --set "*.tags=qrobot:$target-$release-$arch" --load
-    done
-    exit
-    ;;
-  buildah) ;;
-  *) echo "BUILDER=$builder: use buildx or buildah" >&2; exit 2 ;;
-esac
-command -v buildah >/dev/null || {
-  echo "neither docker buildx nor buildah is here: make image-tools installs buildah" >&2
-  exit 1
-}
-case $(uname -m) in x86_64) here=amd64 ;; aarch64) here=arm64 ;; *) here=$(uname -m) ;; esac
-build_base=$(docker/base.sh "$base" "$here")
+builder=$(docker/builder.sh)
 # A network with a proxy of its own has its own certificates; the builder then needs them too.
 secret=
 if [ -s /etc/ssl/certs/ca-certificates.crt ]; then
-  secret="--secret id=ca,src=/etc/ssl/certs/ca-certificates.crt"
+  secret="id=ca,src=/etc/ssl/certs/ca-certificates.crt"
 fi
+case $(uname -m) in x86_64) here=amd64 ;; aarch64) here=arm64 ;; *) here=$(uname -m) ;; esac
+
+with_buildx() { # ARCH
+  env BASE="$base" RELEASE="$release" VERSION="$version" REVISION="$revision" \
+    SOURCE_DATE_EPOCH="$epoch" docker buildx bake --file docker/docker-bake.hcl "$target" \
+    --set "*.platform=linux/$1" --set "*.tags=qrobot:$target-$release-$1" \
+    ${secret:+--set "*.secrets=$secret"} \
+    ${NO_CACHE:+--no-cache --set "*.args.UV_NO_CACHE=true"} --load
+}
+
+with_buildah() { # ARCH
+  target_base=$(docker/base.sh "$base" "$1")
+  build_base=$(docker/base.sh "$base" "$here")
+  buildah build --format docker --isolation chroot --quiet --layers \
+    ${NO_CACHE:+--no-cache --build-arg UV_NO_CACHE=true} ${secret:+--secret "$secret"} \
+    --platform "linux/$1" --build-arg BUILDPLATFORM="linux/$here" \
+    --build-arg TARGETPLATFORM="linux/$1" \
+    --build-arg BASE="$target_base" --build-arg BUILD_BASE="$build_base" \
+    --build-arg VERSION="$version" --build-arg REVISION="$revision" \
+    --build-arg SOURCE_DATE_EPOCH="$epoch" --timestamp "$epoch" \
+    --target "$target" --tag "localhost/qrobot:$target-$release-$1" \
+    --ignorefile docker/Dockerfile.dockerignore --file docker/Dockerfile . >/dev/null
+}
 
 names=
 for platform in $(echo "$platforms" | tr , ' '); do
   arch=${platform#linux/}
-  name=localhost/qrobot:$target-$release-$arch
-  echo "Building $name"
-  # shellcheck disable=SC2086 # the secret is two words
-  buildah build --format docker --isolation chroot --quiet ${NO_CACHE:+--no-cache} --layers \
-    --platform "linux/$arch" --build-arg BUILDPLATFORM="linux/$here" \
-    --build-arg TARGETPLATFORM="linux/$arch" \
-    --build-arg BASE="$(docker/base.sh "$base" "$arch")" --build-arg BUILD_BASE="$build_base" \
-    --build-arg VERSION="$version" --build-arg REVISION="$revision" \
-    --build-arg SOURCE_DATE_EPOCH="$epoch" $secret \
-    --timestamp "$epoch" --target "$target" --tag "$name" \
-    --ignorefile docker/Dockerfile.dockerignore --file docker/Dockerfile . >/dev/null
-  names="$names $name"
+  echo "Building qrobot:$target-$release-$arch with $builder"
+  "with_$builder" "$arch"
+  names="$names localhost/qrobot:$target-$release-$arch"
 done
 
 # shellcheck disable=SC2086 # the names are words
 set -- $names
-if [ $# -gt 1 ]; then
+if [ $# -gt 1 ] && [ "$builder" = buildah ]; then
   list=localhost/qrobot:$target-$release
   buildah manifest rm "$list" >/dev/null 2>&1 || buildah rmi "$list" >/dev/null 2>&1 || :
   buildah manifest create "$list" >/dev/null

@@ -17,6 +17,8 @@ for argument in "$@"; do
   case $argument in
     *token* | *password* | *Token* | *Password*)
       refuse "a token or password belongs into the environment, not into '${argument%%=*}', which the process list shows" ;;
+    --config* | -c | -c=* | *identity_provider* | *IdentityProvider* | *disable_check_xsrf* | *allow_unauthenticated*)
+      refuse "${argument%%=*} could let everybody in, so it is no argument here" ;;
   esac
 done
 if [ -n "${JUPYTER_PASSWORD_HASH:-}" ]; then

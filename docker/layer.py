@@ -25,6 +25,7 @@ def programs(tree: Path, site: Path) -> None:
             (folder / program.name).write_bytes(text)
             (folder / program.name).chmod(0o755)
     shutil.rmtree(site / "bin", ignore_errors=True)
+    (site / ".lock").unlink(missing_ok=True)  # uv's own
     if (site / "share").is_dir():  # JupyterLab's pages and kernels
         shutil.copytree(site / "share", tree / "usr/local/share", dirs_exist_ok=True)
         shutil.rmtree(site / "share")

@@ -103,14 +103,17 @@ def _reads(name: str) -> dict[str, Any]:
 
 def compare(first: Path, second: Path) -> int:
     """Print one line a backend; return 1 when the machines disagree."""
+    from qrobot.backends import registry
+
     one, two = json.loads(first.read_text()), json.loads(second.read_text())
-    names = sorted(one["backends"].keys() | two["backends"].keys())
+    wanted = {name for name in registry.names() if registry.capabilities(name).local}
+    names = sorted(wanted | one["backends"].keys() | two["backends"].keys())
     print(f"{'backend':<16} {one['machine']:>10} {two['machine']:>10}  verdict")
     bad = 0
     for name in names:
         a, b = one["backends"].get(name), two["backends"].get(name)
         if a is None or b is None:
-            verdict, fine = "on one machine only", False
+            verdict, fine = f"missing on {'both' if a is b else 'one'}", False
         elif a["kind"] == "planner":
             fine = a["plan"] == b["plan"]
             verdict = "identical plans" if fine else "the plans differ"
@@ -129,17 +132,17 @@ def _same_energies(name: str, a: dict[str, Any], b: dict[str, Any]) -> tuple[boo
     model = build_model(_question(name), encoding="compact")
     linear = np.array([model.bqm.get_linear(v) for v in model.variables])
     place = {v: k for k, v in enumerate(model.variables)}
-    worst = 0.0
+    worst, fine = 0.0, True
     for answer in (a, b):
         bits = np.array([[int(bit) for bit in row] for row in answer["bits"]], dtype=float)
         energy = float(model.bqm.offset) + bits @ linear
         for (u, v), value in model.bqm.quadratic.items():
             energy = energy + value * bits[:, place[u]] * bits[:, place[v]]
-        worst = max(worst, float(np.abs(energy - np.array(answer["energies"])).max()))
+        gaps = np.abs(energy - np.array(answer["energies"]))
+        worst, fine = max(worst, float(gaps.max())), fine and bool((gaps <= 1e-9).all())
     same = sorted(zip(a["bits"], a["counts"], strict=True)) == sorted(
         zip(b["bits"], b["counts"], strict=True)
     )
-    fine = worst <= 1e-9
     return fine, (
         f"{len(a['bits'])} and {len(b['bits'])} reads re-evaluate to {worst:.0e}"
         f"{', the same reads' if same else ', other reads'}"

@@ -20,60 +20,38 @@ from cyclonedx.model import Property
 from cyclonedx.model.bom import Bom
 from cyclonedx.model.component import Component, ComponentType
 from cyclonedx.output.json import JsonV1Dot6
+from lock import pins
 from packageurl import PackageURL
-from packaging.requirements import Requirement
-from packaging.utils import canonicalize_name
 
-MACHINE = {"amd64": "x86_64", "arm64": "aarch64"}
-PIN = re.compile(r"^(?P<requirement>[A-Za-z0-9][^\\#]*==[^\\#]*)", re.MULTILINE)
-HASH = re.compile(r"--hash=(sha256:[0-9a-f]{64})")
 NAMESPACE = uuid.UUID("0b6f3c5e-6a1c-5f0e-9d35-4d1f3f8a7c11")  # ours, drawn once
 
 
 def python_packages(lock: str, arch: str) -> Iterator[Component]:
     """Yield the pins that hold on the target, with the hashes that the lock allows."""
-    version = f"{sys.version_info[0]}.{sys.version_info[1]}"
-    environment = {
-        "python_version": version,
-        "python_full_version": f"{version}.0",
-        "platform_machine": MACHINE[arch],
-        "platform_system": "Linux",
-        "sys_platform": "linux",
-        "os_name": "posix",
-        "implementation_name": "cpython",
-        "platform_python_implementation": "CPython",
-    }
-    starts = [*PIN.finditer(lock)]
-    ends = [match.start() for match in starts[1:]] + [len(lock)]
-    for match, end in zip(starts, ends, strict=True):
-        pin = Requirement(match["requirement"].strip())
-        if pin.marker and not pin.marker.evaluate(environment):
-            continue
-        name = canonicalize_name(pin.name)
-        number = next(iter(pin.specifier)).version
+    for pin in pins(lock, arch):
         yield Component(
-            name=name,
-            version=number,
+            name=pin.name,
+            version=pin.version,
             type=ComponentType.LIBRARY,
-            bom_ref=f"pypi/{name}",
-            purl=PackageURL("pypi", None, name, number),
-            properties=[
-                Property(name="qrobot:lock", value=value)
-                for value in HASH.findall(lock[match.start() : end])
-            ],
+            bom_ref=f"pypi/{pin.name}",
+            purl=PackageURL("pypi", None, pin.name, pin.version),
+            properties=[Property(name="qrobot:lock", value=value) for value in pin.hashes],
         )
 
 
 def debian_packages(base: str, added: str) -> Iterator[Component]:
     """Yield the packages of the base image and those that were unpacked into it."""
-    found = [tuple(line.split()) for line in added.splitlines()]
+    found = {}
     for block in base.split("\n\n"):
         fields = dict(
             line.split(": ", 1) for line in block.splitlines() if re.match(r"\w\S*: ", line)
         )
         if fields.get("Status", "").endswith(" installed"):
-            found.append((fields["Package"], fields["Version"], fields["Architecture"]))
-    for name, version, arch in sorted(found):
+            found[fields["Package"]] = (fields["Version"], fields["Architecture"])
+    for line in added.splitlines():  # what was unpacked lies over what the base image has
+        name, version, arch = line.split()
+        found[name] = (version, arch)
+    for name, (version, arch) in sorted(found.items()):
         yield Component(
             name=name,
             version=version,
@@ -85,7 +63,8 @@ def debian_packages(base: str, added: str) -> Iterator[Component]:
 
 def main() -> None:
     profile, arch, target = sys.argv[1:]
-    version = re.findall(r'"([^"]+)"', Path("/source/_version.py").read_text())[-1]
+    text = Path("/source/_version.py").read_text()
+    version = re.findall(r'^__version__ = "([^"]+)"', text, re.MULTILINE)[0]
     bom = Bom()
     bom.metadata.component = Component(
         name=f"qrobot-{ {'full': 'lab'}.get(profile, profile) }",

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Build an image twice from nothing and say which files differ. Usage: docker/twice.sh TARGET PLATFORM RELEASE
-# Exit code 1: some do. Needs root and buildah. What is fetched is fetched twice, too.
+# Exit code 1: some do. Needs root and buildah. Wheels are fetched and sdists built twice, too; Debian's
+# packages are the newest of the moment, so this holds for builds of one day.
 set -eu
 cd "$(dirname "$0")/.."
 target=$1 platform=$2 release=$3

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from images.engine import ARCH, RELEASE, ROOT, docker, why_not
+from images.engine import ARCH, BUILT, RELEASE, ROOT, docker, why_not
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -27,6 +27,8 @@ def image() -> Callable[[str], str]:
     """Return the engine's name of an image, loaded from where it was built."""
 
     def name(target: str) -> str:
+        if target not in BUILT:
+            pytest.skip(f"the image {target} was not built: make test-images IMAGES={target!r}")
         full = f"qrobot:{target}-{RELEASE}-{ARCH}"
         subprocess.run([ROOT / "docker/load.sh", full], check=True, timeout=300)
         return full

@@ -12,6 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 ARCH = {"x86_64": "amd64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
 RELEASE = os.environ.get("QROBOT_IMAGES", "")
 """The release whose images `make test-images` has built."""
+BUILT = os.environ.get("QROBOT_TARGETS", "solver edge lab").split()
+"""Which of them."""
 
 
 def docker(*arguments: str, timeout: float = 180) -> subprocess.CompletedProcess[str]:

@@ -8,6 +8,7 @@ import urllib.error
 import urllib.request
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from images.engine import docker
@@ -57,12 +58,38 @@ def test_it_does_not_start_without(start, environment: dict[str, str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "argument", ["--ServerApp.token=x", "--IdentityProvider.token=x", "--NotebookApp.password=x"]
+    "argument", ["--ServerApp.token=x", "--IdentityProvider.token=", "--NotebookApp.password=x"]
 )
 def test_a_token_is_no_argument(start, argument: str) -> None:
     done = start(argument, JUPYTER_TOKEN=TOKEN)
     assert done.returncode == 2
     assert "process list" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "argument",
+    ["--config=/data/x.py", "-c", "--ServerApp.identity_provider_class=x",
+     "--ServerApp.allow_unauthenticated_access=True"],
+)  # fmt: skip
+def test_nothing_that_could_switch_the_token_off_is_an_argument(start, argument: str) -> None:
+    done = start(argument, JUPYTER_TOKEN=TOKEN)
+    assert done.returncode == 2
+    assert "args:" not in done.stdout
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("lab",), ("jupyter", "lab"), ("jupyter-lab",), ("jupyter", "server"), ("jupyter-server",),
+     ("jupyter", "notebook", "--IdentityProvider.token=")],
+)  # fmt: skip
+def test_no_name_of_jupyter_goes_round_the_script(run: Any, words: tuple[str, ...]) -> None:
+    done = run("lab", *words)
+    assert done.returncode == 2, done.stdout
+    assert "openssl rand" in done.stderr
+
+
+def test_other_commands_of_jupyter_pass(run: Any) -> None:
+    assert "python3" in run("lab", "jupyter", "kernelspec", "list").stdout
 
 
 def test_a_token_reaches_jupyter_by_the_environment_only(start, tmp_path: Path) -> None:
