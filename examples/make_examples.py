@@ -105,6 +105,21 @@ def paper(weights: Sequence[int], robots: int, capacity: int, seed: int = 7) -> 
     )
 
 
+def three_items() -> Instance:
+    """Return three items for one robot: nine qubits in the compact form."""
+    spots = [Point(7.0, 10.5), Point(19.5, 5.0), Point(3.5, 13.0)]
+    items = tuple(Item(str(i + 1), Fraction(1), spot) for i, spot in enumerate(spots))
+    return Instance(
+        warehouse=OpenFloor(depot_x=0.0, depot_y=0.0, metric="euclidean"),
+        items=items,
+        orders=tuple(Order(item.id, (item.id,)) for item in items),
+        robots=(Robot("R1", Fraction(3)),),
+        name="three-items",
+        comment="Small enough for every backend, gate-model simulators on an emulated Pi included: "
+        "9 qubits in the compact encoding. The coordinates are ours.",
+    )
+
+
 def csv_orders(seed: int = 11) -> tuple[str, str]:
     """Return orders as CSV, one article in several orders, and their layout."""
     draw = random.Random(seed)
@@ -195,6 +210,7 @@ def main(folder: Path) -> None:
         paper(four, robots=3, capacity=45),
         paper(seven, robots=2, capacity=15),
         paper(seven, robots=3, capacity=45),
+        three_items(),
     ):
         qrobot.write(instance, folder / f"{instance.name}.json")
     orders, layout = csv_orders()
