@@ -26,6 +26,11 @@ def programs(tree: Path, site: Path) -> None:
             (folder / program.name).chmod(0o755)
     shutil.rmtree(site / "bin", ignore_errors=True)
     (site / ".lock").unlink(missing_ok=True)  # uv's own
+    for note in site.glob("*.dist-info/uv_cache.json"):  # when it was built: another each time
+        note.unlink()
+        record = note.with_name("RECORD")
+        lines = record.read_text().splitlines(keepends=True)
+        record.write_text("".join(line for line in lines if "/uv_cache.json," not in line))
     if (site / "share").is_dir():  # JupyterLab's pages and kernels
         shutil.copytree(site / "share", tree / "usr/local/share", dirs_exist_ok=True)
         shutil.rmtree(site / "share")

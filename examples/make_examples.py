@@ -81,11 +81,15 @@ def small_warehouse(seed: int = 2021) -> Instance:
     )
 
 
+def seven_spots(seed: int) -> list[Point]:
+    """Return one sequence of places: the first items of all the small cases lie alike."""
+    draw = random.Random(seed)
+    return draw.sample([Point(x / 2, y / 2) for x in range(2, 40) for y in range(2, 28)], 7)
+
+
 def paper(weights: Sequence[int], robots: int, capacity: int, seed: int = 7) -> Instance:
     """Return the paper's weights (figures 4 and 7) at coordinates of our own."""
-    # One sequence: the first items of both cases lie alike.
-    draw = random.Random(seed)
-    spots = draw.sample([Point(x / 2, y / 2) for x in range(2, 40) for y in range(2, 28)], 7)
+    spots = seven_spots(seed)
     items = tuple(Item(str(i + 1), Fraction(w), spots[i]) for i, w in enumerate(weights))
     why = (
         "The capacity is that of the paper's captions: one robot can carry everything, so one "
@@ -105,9 +109,9 @@ def paper(weights: Sequence[int], robots: int, capacity: int, seed: int = 7) -> 
     )
 
 
-def three_items() -> Instance:
+def three_items(seed: int = 7) -> Instance:
     """Return three items for one robot: nine qubits in the compact form."""
-    spots = [Point(7.0, 10.5), Point(19.5, 5.0), Point(3.5, 13.0)]
+    spots = seven_spots(seed)[:3]
     items = tuple(Item(str(i + 1), Fraction(1), spot) for i, spot in enumerate(spots))
     return Instance(
         warehouse=OpenFloor(depot_x=0.0, depot_y=0.0, metric="euclidean"),
@@ -116,7 +120,7 @@ def three_items() -> Instance:
         robots=(Robot("R1", Fraction(3)),),
         name="three-items",
         comment="Small enough for every backend, gate-model simulators on an emulated Pi included: "
-        "9 qubits in the compact encoding. The coordinates are ours.",
+        f"9 qubits in the compact encoding. The coordinates are ours, drawn with seed {seed}.",
     )
 
 
