@@ -4,13 +4,15 @@
 # Builds the image edge for arm64 on both Debians and for amd64, then on the emulated processor:
 # a control that it refuses what a Pi 4 refuses; every health check of the profile edge, on both
 # Pythons; a plan or reads of every local backend, held against those of x86-64. Reports are kept
-# in build/arm64. RELEASES=trixie leaves bookworm out; IMAGE=lab proves the whole appendix.
+# in build/arm64. RELEASES=trixie leaves bookworm out; IMAGE=lab proves the whole appendix;
+# X86_PYTHON=.venv/bin/python answers for x86-64 in place of an image, where it has the same lock.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 releases=${RELEASES:-trixie bookworm}
 image=${IMAGE:-edge}
 case $image in lab) profile=full ;; *) profile=$image ;; esac
-out=$PWD/build/arm64
+here=$PWD
+out=$here/build/arm64
 cpu=cortex-a72
 if [ "$(uname -m)" = aarch64 ]; then
   echo 'this machine is an arm64 one: make test-images proves the images on it' >&2
@@ -26,10 +28,12 @@ mkdir -p "$out"
 chmod 1777 "$out" # the images run as an account of their own
 
 step 'build the images'
-docker/image.sh "$image" linux/amd64,linux/arm64 "${releases%% *}"
-for release in ${releases#"${releases%% *}"}; do docker/image.sh "$image" linux/arm64 "$release"; done
+for release in $releases; do docker/image.sh "$image" linux/arm64 "$release"; done
 for release in $releases; do docker/load.sh "qrobot:$image-$release-arm64"; done
-docker/load.sh "qrobot:$image-${releases%% *}-amd64"
+if [ -z "${X86_PYTHON:-}" ]; then
+  docker/image.sh "$image" linux/amd64 "${releases%% *}"
+  docker/load.sh "qrobot:$image-${releases%% *}-amd64"
+fi
 
 # As a careful user runs them: no network, nothing writable but /tmp and the reports.
 run() { # RELEASE ARCH ARGUMENT...
@@ -64,9 +68,16 @@ done
 
 step 'plans and reads of every local backend, arm64'
 run "${releases%% *}" arm64 python3 /docker/plans.py make /reports/plans-arm64.json
-step 'the same on amd64'
-run "${releases%% *}" amd64 python3 /docker/plans.py make /reports/plans-amd64.json
-run "${releases%% *}" amd64 python3 /docker/plans.py compare /reports/plans-arm64.json /reports/plans-amd64.json |
+step 'the same on x86-64'
+plans() { # ARGUMENT...
+  if [ -n "${X86_PYTHON:-}" ]; then
+    (cd "$out" && OPENBLAS_NUM_THREADS=1 "$X86_PYTHON" "$here/docker/plans.py" "$@")
+  else
+    run "${releases%% *}" amd64 sh -c 'cd /reports && exec python3 /docker/plans.py "$@"' plans "$@"
+  fi
+}
+plans make plans-amd64.json
+plans compare plans-arm64.json plans-amd64.json |
   tee "$out/plans.txt" || failed=1
 
 step "done: $out"
