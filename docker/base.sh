@@ -22,6 +22,7 @@ elif buildah inspect --type image "$name" >/dev/null 2>&1; then
   echo "$name"
   exit
 fi
+why='none was asked'
 if [ -z "${QROBOT_BOOTSTRAP:-}" ] && why=$(timeout 30 skopeo inspect --raw "docker://$image" 2>&1 >/dev/null); then
   buildah pull --quiet --arch "$arch" "$image" >/dev/null
   buildah tag "$image" "$name"
@@ -35,7 +36,7 @@ case $image in
 esac
 if [ ! -s "$tar" ]; then
   mkdir -p "$cache"
-  echo "No registry gives $image (${why:-none was asked}): bootstrapping Debian $release for $arch into $tar" >&2
+  echo "No registry gives $image (${why##*: }): bootstrapping Debian $release for $arch into $tar" >&2
   mmdebstrap --quiet --arch="$arch" --variant=minbase \
     --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
     --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \

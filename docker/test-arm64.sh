@@ -22,6 +22,7 @@ fi
 begin=$SECONDS
 step() { printf '%4d s  %s\n' $((SECONDS - begin)) "$*"; }
 
+case ${X86_PYTHON:-} in '' | /*) ;; *) X86_PYTHON=$here/$X86_PYTHON ;; esac
 if [ "$(docker/engine.sh start)" = started ]; then trap 'docker/engine.sh stop' EXIT; fi
 rm -rf "$out"
 mkdir -p "$out"
