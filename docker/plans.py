@@ -106,7 +106,8 @@ def compare(first: Path, second: Path) -> int:
     from qrobot.backends import registry
 
     one, two = json.loads(first.read_text()), json.loads(second.read_text())
-    wanted = {name for name in registry.names() if registry.capabilities(name).local}
+    here = filter(registry.available, registry.names())
+    wanted = {name for name in here if registry.capabilities(name).local}
     names = sorted(wanted | one["backends"].keys() | two["backends"].keys())
     print(f"{'backend':<16} {one['machine']:>10} {two['machine']:>10}  verdict")
     bad = 0

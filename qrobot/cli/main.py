@@ -114,6 +114,11 @@ def main(arguments: list[str] | None = None) -> None:
     except Exception as error:
         text = f"internal error: {type(error).__name__}: {error}; show more with --debug"
         code = _tell(text, error, 3, debug)
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            drop(stream)  # Python 3.13 ends with 120 when it cannot flush, whatever the code was
     sys.exit(code if isinstance(code, int) else 0)
 
 
