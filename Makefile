@@ -29,12 +29,23 @@ comma = ,
 image-packages = buildah skopeo mmdebstrap arch-test debian-archive-keyring docker.io iptables qemu-user-static binfmt-support
 stack-tests = tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/cli \
   tests/health/test_answers.py tests/health/test_notebooks.py tests/health/test_profiles.py
-source = qrobot tests benchmarks docker examples healthchecks locks
+# Which robots: a folder or file; make virtual-pi says the one of the virtual Pi. LIMIT=robot is one of them.
+INVENTORY ?= ansible/inventory
+LIMIT ?=
+# More for ansible-playbook: ANSIBLE_ARGS="--check --diff", "--ask-vault-pass", "-e qrobot_offline=true".
+ANSIBLE_ARGS ?=
+# What make wheelhouse collects for: solver, edge or lab.
+WHEELHOUSE_PROFILE ?= edge
+virtual-pi-packages = qemu-system-arm ipxe-qemu qemu-utils qemu-user-static binfmt-support mmdebstrap arch-test \
+  debian-archive-keyring e2fsprogs dosfstools mtools openssh-client
+playbook = ANSIBLE_CONFIG=ansible/ansible.cfg $(bin)/ansible-playbook --inventory $(INVENTORY) \
+  $(if $(LIMIT),--limit $(LIMIT)) $(ANSIBLE_ARGS)
+source = qrobot tests ansible benchmarks docker examples healthchecks locks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup install demo test test-stacks test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
+.PHONY: help setup install demo test test-stacks provision upgrade rollback fleet-health credentials reset wheelhouse virtual-pi virtual-pi-tools virtual-pi-ssh virtual-pi-stop virtual-pi-reset test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
 
 help: ## list the targets
 	@echo 'qRobot: orders in, a checked picking plan out.'
@@ -108,6 +119,45 @@ test-images: $(stamp)-dev ## build the images for this machine and hold them to 
 test-arm64: ## prove the arm64 images on an emulated Cortex-A72: reports in build/arm64
 	docker/test-arm64.sh
 
+provision: inventory-there $(stamp)-provision ## from a bare Pi to a healthy robot: INVENTORY=, LIMIT=, ANSIBLE_ARGS="--check --diff"
+	$(playbook) ansible/provision.yml
+
+upgrade: inventory-there $(stamp)-provision ## bring this checkout's version to the robots, one first, each proven before it counts
+	$(playbook) ansible/upgrade.yml
+
+rollback: inventory-there $(stamp)-provision ## return to the release before
+	$(playbook) ansible/rollback.yml
+
+fleet-health: inventory-there $(stamp)-provision ## run the health checks on all robots: build/fleet/fleet.html
+	$(playbook) ansible/health.yml
+
+credentials: inventory-there $(stamp)-provision ## ask for the clouds' tokens and put them on the robots
+	$(playbook) ansible/credentials.yml
+
+reset: inventory-there $(stamp)-provision ## take qRobot off a robot: LIMIT=robot ANSIBLE_ARGS="-e reset_confirm=robot"
+	$(playbook) ansible/reset.yml
+
+wheelhouse: $(stamp)-provision ## collect a robot's wheels beforehand, for Python 3.11 and 3.13: WHEELHOUSE_PROFILE=edge
+	@for python in 3.11 3.13; do \
+	  $(bin)/python ansible/controller/wheelhouse.py --profile $(WHEELHOUSE_PROFILE) --python $$python || exit; \
+	done
+
+virtual-pi-tools: ## install what runs the virtual Pi (root, Debian): qemu-system-arm, qemu-utils, mmdebstrap, mtools
+	apt-get update --quiet=2
+	apt-get install --yes --quiet=2 --no-install-recommends $(virtual-pi-packages)
+
+virtual-pi: $(stamp)-provision ## boot a virtual Pi (built once by root, 15 minutes)
+	ansible/virtual-pi/virtual-pi.sh start
+
+virtual-pi-ssh: ## log into the virtual Pi
+	@ansible/virtual-pi/virtual-pi.sh ssh
+
+virtual-pi-stop: ## shut the virtual Pi down
+	ansible/virtual-pi/virtual-pi.sh stop
+
+virtual-pi-reset: ## throw the virtual Pi's disk away: the next start is a first boot
+	ansible/virtual-pi/virtual-pi.sh reset
+
 dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
 	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist
 
@@ -136,6 +186,10 @@ distclean: clean ## remove the environments too
 	@.venv-lock/bin/python -m pip --disable-pip-version-check --no-input --quiet install uv==$(UV_VERSION)
 	@touch $@
 
+.PHONY: inventory-there
+inventory-there:
+	@test -e '$(INVENTORY)' || { echo '$(INVENTORY): no such inventory: cp -r ansible/inventory.example ansible/inventory and name your robots in it' >&2; exit 2; }
+
 # While an environment is being made a file in it says so: an interrupted one is begun again.
 # The build tools come first, so that building the project (and the two packages that exist as
 # source only) fetches nothing unhashed.
@@ -150,7 +204,7 @@ $(stamp)-%: locks/%.txt $(project)
 	@echo 'Installing qRobot itself'
 	@$(pip) install --no-deps --no-build-isolation --editable .
 	@rm $(VENV)/.unfinished
-	@touch $@ $(if $(filter dev edge full,$*),$(stamp)-solver) $(if $(filter full,$*),$(stamp)-edge)
+	@touch $@ $(if $(filter dev edge full,$*),$(stamp)-solver) $(if $(filter dev,$*),$(stamp)-provision) $(if $(filter full,$*),$(stamp)-edge)
 
 define make-venv
   if [ -n "$$(ls -A $(VENV) 2>/dev/null)" ] && [ ! -e $(VENV)/.unfinished ] && [ ! -e $(VENV)/pyvenv.cfg ]; then \

@@ -23,9 +23,9 @@ class Pin:
     text: str
 
 
-def pins(lock: str, arch: str) -> Iterator[Pin]:
-    """Yield what a lock pins for a machine, ``arm64`` or ``amd64``, and this release's Python."""
-    python = f"{sys.version_info[0]}.{sys.version_info[1]}"
+def pins(lock: str, arch: str, python: str | None = None) -> Iterator[Pin]:
+    """Yield what a lock pins for a machine, ``arm64`` or ``amd64``, and a Python: ours if none."""
+    python = python or f"{sys.version_info[0]}.{sys.version_info[1]}"
     environment = {
         "python_version": python,
         "python_full_version": f"{python}.0",
@@ -37,7 +37,7 @@ def pins(lock: str, arch: str) -> Iterator[Pin]:
         "platform_python_implementation": "CPython",
     }
     starts = [*PIN.finditer(lock)]
-    ends = [match.start() for match in starts[1:]] + [len(lock)]
+    ends = [*(match.start() for match in starts), len(lock)][1:]
     for match, end in zip(starts, ends, strict=True):
         pin = Requirement(match["requirement"].strip())
         if pin.marker is None or pin.marker.evaluate(environment):

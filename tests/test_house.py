@@ -21,7 +21,7 @@ HEAVY = {
     "qiskit", "scipy", "tensorflow",
 }  # fmt: skip
 
-FLOORS = ["problem", "plan", "models", "remote", "backends", "planning", "report", "health", "cli"]
+FLOORS = ["problem", "plan", "models", "remote", "backends", "planning", "report", "health", "image", "cli"]
 MAY_IMPORT = {
     "problem": set(),
     "plan": {"problem"},
@@ -31,7 +31,8 @@ MAY_IMPORT = {
     "planning": {"problem", "plan", "models", "backends", "remote"},
     "report": {"problem", "plan", "models", "backends", "planning"},
     "health": {"problem", "remote"},
-    "cli": {"problem", "plan", "models", "remote", "backends", "planning", "report", "health"},
+    "image": set(),
+    "cli": {"problem", "plan", "models", "remote", "backends", "planning", "report", "health", "image"},
 }
 
 

@@ -26,6 +26,7 @@ COMMANDS = {
     "reproduce": "Reproduce the tables and figures of the paper, its seconds beside ours.",
     "jobs": "List, fetch and cancel jobs on remote machines.",
     "health": "Prove that every installed stack computes right.",
+    "image": "Prepare the card of a Raspberry Pi for its first boot.",
     "doctor": "Show versions, extras, credentials present, and folders.",
 }
 """Name and one line of help; the module of the same name holds the command."""
@@ -92,6 +93,8 @@ def main(arguments: list[str] | None = None) -> None:
         code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
     except click.exceptions.Exit as done:
         code = done.exit_code
+    except SystemExit as done:  # a command that tells its own code
+        code = done.code
     except click.ClickException as error:
         error.show()
         code = 2

@@ -1,0 +1,167 @@
+#!/usr/bin/python
+"""config.txt and cmdline.txt of a Raspberry Pi: a power cut leaves the old or the new file."""
+
+from __future__ import annotations
+
+DOCUMENTATION = r"""
+module: qrobot_boot
+short_description: Sets lines of config.txt and words of cmdline.txt
+description:
+  - cmdline.txt is one line of words. A word C(name=value) that is there with another value is
+    replaced; what is not asked for stays as it is. Several values of one name, as C(console) has them, are kept.
+  - config.txt has sections. The lines asked for are kept in one block under C([all]) at its end,
+    so they count for every board; lines outside the block are never touched.
+  - Each file is written aside, synced and renamed, and the first version that was found is kept
+    beside it as C(FILE.before-qrobot).
+options:
+  folder:
+    description: The boot partition, /boot/firmware since bookworm, /boot before.
+    type: path
+    required: true
+  cmdline:
+    description: Words that the kernel's command line must have.
+    type: list
+    elements: str
+    default: []
+  config:
+    description: Lines that config.txt must have.
+    type: list
+    elements: str
+    default: []
+  state:
+    description: C(absent) takes the words and the block out again.
+    type: str
+    choices: [present, absent]
+    default: present
+author: The qRobot authors
+"""
+
+EXAMPLES = r"""
+- name: Let the kernel count the memory of services
+  qrobot_boot:
+    folder: /boot/firmware
+    cmdline: [cgroup_enable=memory]
+    config: [dtparam=watchdog=on]
+"""
+
+RETURN = r"""
+files:
+  description: Names of the files that changed, or would change in check mode.
+  returned: always
+  type: list
+"""
+
+import os
+import re
+from pathlib import Path
+
+from ansible.module_utils.basic import AnsibleModule
+
+BEGIN = "# --- qRobot: begin ---"
+END = "# --- qRobot: end ---"
+BLOCK = re.compile(rf"\n?{re.escape(BEGIN)}\n.*?{re.escape(END)}\n?", re.DOTALL)
+SEVERAL = ("console", "cgroup_enable", "cgroup_disable")
+"""Names that the kernel takes several times, with one value each."""
+
+
+def cmdline_with(text, words, present=True):
+    """Return a kernel command line that has the words, or has them no more.
+
+    A file of several lines is an error of its writer: the firmware reads the first one only.
+    """
+    lines = [line for line in text.splitlines() if line.strip()]
+    found = lines[0].split() if lines else []
+    for word in words:
+        name, equals, _ = word.partition("=")
+        if not present:
+            found = [one for one in found if one != word]
+        elif word not in found:
+            if equals and name not in SEVERAL:
+                found = [one for one in found if not one.startswith(name + "=")]
+            found.append(word)
+    return " ".join(found) + "\n"
+
+
+def config_with(text, lines, present=True):
+    """Return a config.txt whose block at the end has the lines, or is gone."""
+    rest = BLOCK.sub("\n", text).rstrip("\n")
+    if not present or not lines:
+        return rest + "\n" if rest else ""
+    block = "\n".join([BEGIN, "[all]", *lines, END])
+    return f"{rest}\n\n{block}\n" if rest else f"{block}\n"
+
+
+def write(path, text):
+    """Replace a file; the FAT file system has no journal, so everything is synced."""
+    before = path.with_name(path.name + ".before-qrobot")
+    for target, data in (
+        (before, path.read_bytes()),
+        (path, text.encode("utf-8", errors="surrogateescape")),
+    ):
+        if target == before and before.exists():
+            continue
+        aside = target.with_name(target.name + ".new")
+        with open(aside, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        aside.replace(target)
+        folder = os.open(target.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+
+def main():
+    module = AnsibleModule(
+        argument_spec={
+            "folder": {"type": "path", "required": True},
+            "cmdline": {"type": "list", "elements": "str", "default": []},
+            "config": {"type": "list", "elements": "str", "default": []},
+            "state": {"type": "str", "choices": ["present", "absent"], "default": "present"},
+        },
+        supports_check_mode=True,
+    )
+    given = module.params
+    folder = Path(given["folder"])
+    present = given["state"] == "present"
+    for word in given["cmdline"]:
+        if not word or re.search(r"\s", word):
+            module.fail_json(msg=f"cmdline: {word!r} is no single word: give each word by itself")
+    changes, diff = [], []
+    for name, change, wanted in (
+        ("cmdline.txt", cmdline_with, given["cmdline"]),
+        ("config.txt", config_with, given["config"]),
+    ):
+        path = folder / name
+        try:
+            text = path.read_bytes().decode("utf-8", errors="surrogateescape")
+        except OSError as error:
+            if name == "cmdline.txt" and isinstance(error, FileNotFoundError):
+                continue  # only config.txt makes a boot partition
+            module.fail_json(msg=f"{path}: {error.strerror}: mount the boot partition there")
+        # A file that says the same is left, however its spaces are.
+        new = change(text, wanted, present)
+        same = new.split() == text.split() if name == "cmdline.txt" else new == text
+        if name == "cmdline.txt" and not text.strip():
+            module.fail_json(
+                msg=f"{path} is empty: restore it from {path}.before-qrobot or the image"
+            )
+        if same:
+            continue
+        changes.append((path, new))
+        diff.append(
+            {"before_header": str(path), "after_header": str(path), "before": text, "after": new}
+        )
+    if not module.check_mode:
+        for path, new in changes:
+            try:
+                write(path, new)
+            except OSError as error:
+                module.fail_json(msg=f"{path}: {error.strerror}; the file is as it was")
+    module.exit_json(changed=bool(changes), files=[path.name for path, _ in changes], diff=diff)
+
+
+if __name__ == "__main__":
+    main()

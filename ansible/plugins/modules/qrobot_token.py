@@ -1,0 +1,57 @@
+#!/usr/bin/python
+"""A random token in a file that only its owner reads, made once."""
+
+from __future__ import annotations
+
+DOCUMENTATION = r"""
+module: qrobot_token
+short_description: A random token in a file that only its owner reads, made once
+description:
+  - The token is made on the robot and never returned, so no log of Ansible has it.
+options:
+  path:
+    description: The file; an existing one with 32 characters or more is left, its mode is mended.
+    type: path
+    required: true
+author: The qRobot authors
+"""
+
+EXAMPLES = r"""
+- name: Make a token for JupyterLab
+  qrobot_token:
+    path: /etc/qrobot/jupyter.token
+"""
+
+RETURN = r"""#"""
+
+import os
+import secrets
+from pathlib import Path
+
+from ansible.module_utils.basic import AnsibleModule
+
+
+def main():
+    module = AnsibleModule(
+        argument_spec={"path": {"type": "path", "required": True}}, supports_check_mode=True
+    )
+    path = Path(module.params["path"])
+    present = path.is_file() and len(path.read_bytes().strip()) >= 32
+    closed = present and path.stat().st_mode & 0o777 == 0o600
+    if not module.check_mode:
+        if not present:
+            aside = path.with_name(path.name + ".new")
+            aside.unlink(missing_ok=True)
+            handle = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with os.fdopen(handle, "w") as stream:
+                stream.write(secrets.token_hex(24) + "\n")
+                stream.flush()
+                os.fsync(stream.fileno())
+            aside.replace(path)
+        elif not closed:
+            path.chmod(0o600)
+    module.exit_json(changed=not (present and closed))
+
+
+if __name__ == "__main__":
+    main()

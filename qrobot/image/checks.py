@@ -1,0 +1,112 @@
+"""What a value of a card must look like; each refusal names the option and the mend."""
+
+from __future__ import annotations
+
+import re
+import zoneinfo
+
+from qrobot.errors import InputError
+
+__all__ = ["country_code", "host_name", "keyboard", "locale_name", "ssid", "time_zone", "user_name"]
+
+_ISO_3166 = (
+    "AD AE AF AG AI AL AM AO AQ AR AS AT AU AW AX AZ BA BB BD BE BF BG BH BI BJ BL BM BN BO BQ BR "
+    "BS BT BV BW BY BZ CA CC CD CF CG CH CI CK CL CM CN CO CR CU CV CW CX CY CZ DE DJ DK DM DO DZ "
+    "EC EE EG EH ER ES ET FI FJ FK FM FO FR GA GB GD GE GF GG GH GI GL GM GN GP GQ GR GS GT GU GW "
+    "GY HK HM HN HR HT HU ID IE IL IM IN IO IQ IR IS IT JE JM JO JP KE KG KH KI KM KN KP KR KW KY "
+    "KZ LA LB LC LI LK LR LS LT LU LV LY MA MC MD ME MF MG MH MK ML MM MN MO MP MQ MR MS MT MU MV "
+    "MW MX MY MZ NA NC NE NF NG NI NL NO NP NR NU NZ OM PA PE PF PG PH PK PL PM PN PR PS PT PW PY "
+    "QA RE RO RS RU RW SA SB SC SD SE SG SH SI SJ SK SL SM SN SO SR SS ST SV SX SY SZ TC TD TF TG "
+    "TH TJ TK TL TM TN TO TR TT TV TW TZ UA UG UM US UY UZ VA VC VE VG VI VN VU WF WS YE YT ZA ZM "
+    "ZW"
+)
+
+# Accounts and groups that Debian, Raspberry Pi OS or the playbooks make themselves.
+_TAKEN = (
+    "root daemon bin sys sync games man lp mail news uucp proxy www-data backup list irc nobody "
+    "adm tty disk kmem dialout fax voice cdrom floppy tape sudo audio dip operator src shadow utmp "
+    "video sasl plugdev staff users nogroup input kvm render crontab netdev gpio i2c spi lpadmin "
+    "sshd messagebus avahi polkitd lightdm dnsmasq pulse rtkit ssh ssl-cert docker "
+    "rpi-first-boot-wizard qrobot"
+)
+
+
+def host_name(text: str) -> str:
+    """Return a host name (RFC 1123, one label)."""
+    if "." in text:
+        raise _refused(text, "--hostname", "has a dot", "give the first part only")
+    if not re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?", text):
+        raise _refused(
+            text,
+            "--hostname",
+            "is no host name",
+            "give 1 to 63 letters, digits and hyphens, with no hyphen at either end",
+        )
+    if text.lower() == "localhost" or text.isdigit():
+        raise _refused(text, "--hostname", "would be taken for another machine", "give a name")
+    return text
+
+
+def user_name(text: str) -> str:
+    """Return the name of an account, as the first boot of both releases takes it."""
+    if not re.fullmatch(r"[a-z][a-z0-9-]{0,31}", text):
+        raise _refused(
+            text,
+            "--user",
+            "is no name that Raspberry Pi OS takes",
+            "give up to 32 small letters, digits and hyphens, beginning with a letter",
+        )
+    if text in _TAKEN.split():
+        raise _refused(text, "--user", "is an account or group of the system", "give another name")
+    return text
+
+
+def country_code(text: str) -> str:
+    """Return the code of a country (ISO 3166), in capitals."""
+    code = text.upper()
+    if code not in _ISO_3166.split():
+        mend = "give GB" if code == "UK" else "give the two letters of ISO 3166, such as DE"
+        raise _refused(text, "--wifi-country", "is no code of a country", mend)
+    return code
+
+
+def ssid(text: str) -> str:
+    """Return the name of a Wi-Fi: 1 to 32 bytes."""
+    try:
+        size = len(text.encode())
+    except UnicodeEncodeError:  # bytes of an argument that are no UTF-8
+        size = 0
+    if not 1 <= size <= 32 or "\0" in text:
+        raise _refused(
+            text, "--wifi-ssid", "is no name of a Wi-Fi", "give 1 to 32 bytes of UTF-8 without NUL"
+        )
+    return text
+
+
+def time_zone(text: str) -> str:
+    """Return a time zone; where this machine has no list of them only the form is checked."""
+    known = zoneinfo.available_timezones()
+    form = re.fullmatch(r"[A-Za-z][A-Za-z0-9_+-]*(/[A-Za-z0-9_+-]+){0,2}", text)
+    if not form or (known and text not in known):
+        raise _refused(text, "--timezone", "is no time zone", "give one such as Europe/Berlin")
+    return text
+
+
+def locale_name(text: str) -> str:
+    """Return a locale of UTF-8."""
+    if not re.fullmatch(r"(C|[a-z]{2,3}_[A-Z]{2})\.UTF-8(@[a-z]+)?", text):
+        raise _refused(
+            text, "--locale", "is no locale of UTF-8", "give one such as de_DE.UTF-8 or C.UTF-8"
+        )
+    return text
+
+
+def keyboard(text: str) -> str:
+    """Return the layout of a keyboard, as XKB calls it."""
+    if not re.fullmatch(r"[a-z]{2,12}", text):
+        raise _refused(text, "--keyboard", "is no layout", "give one such as de, gb or us")
+    return text
+
+
+def _refused(value: str, field: str, problem: str, mend: str) -> InputError:
+    return InputError(f"{value!a} {problem}", field=field, mend=mend)
