@@ -40,17 +40,18 @@ virtual-pi-packages = qemu-system-arm ipxe-qemu qemu-utils qemu-user-static binf
   debian-archive-keyring e2fsprogs dosfstools mtools openssh-client
 playbook = ANSIBLE_CONFIG=ansible/ansible.cfg $(bin)/ansible-playbook --inventory $(INVENTORY) \
   $(if $(LIMIT),--limit $(LIMIT)) $(ANSIBLE_ARGS)
+shell-scripts = docker/*.sh ansible/virtual-pi/*.sh locks/*.sh
 source = qrobot tests ansible benchmarks docker examples healthchecks locks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup install demo test test-stacks provision upgrade rollback fleet-health credentials reset wheelhouse virtual-pi virtual-pi-tools virtual-pi-ssh virtual-pi-stop virtual-pi-reset test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
+.PHONY: help setup install demo test test-stacks provision upgrade rollback fleet-health drift credentials reset wheelhouse virtual-pi virtual-pi-tools virtual-pi-ssh virtual-pi-stop virtual-pi-reset test-virtual-pi test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
 
 help: ## list the targets
 	@echo 'qRobot: orders in, a checked picking plan out.'
 	@echo
-	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-16s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 	@echo
 	@echo '  Variables: PYTHON=$(PYTHON)  VENV=$(VENV)  PROFILE=$(PROFILE)  PYTEST_ARGS="$(PYTEST_ARGS)"'
 
@@ -86,6 +87,8 @@ lint: $(stamp)-dev ## check the style, the types and the locks
 	$(bin)/ruff format --check $(wildcard $(source))
 	$(bin)/mypy
 	$(bin)/python locks/verify.py
+	cd ansible && ../$(bin)/yamllint --strict . && PATH="$(abspath $(bin)):$$PATH" ../$(bin)/ansible-lint --quiet --nocolor
+	@if command -v shellcheck >/dev/null; then shellcheck $(shell-scripts); else echo 'no shellcheck here: shell scripts are not checked'; fi
 
 format: $(stamp)-dev ## put the code into the house style
 	$(bin)/ruff check --fix-only --quiet $(wildcard $(source))
@@ -131,6 +134,9 @@ rollback: inventory-there $(stamp)-provision ## return to the release before
 fleet-health: inventory-there $(stamp)-provision ## run the health checks on all robots: build/fleet/fleet.html
 	$(playbook) ansible/health.yml
 
+drift: inventory-there $(stamp)-provision ## what robots have against the locks and each other: build/fleet/drift.html
+	$(playbook) ansible/drift.yml
+
 credentials: inventory-there $(stamp)-provision ## ask for the clouds' tokens and put them on the robots
 	$(playbook) ansible/credentials.yml
 
@@ -157,6 +163,10 @@ virtual-pi-stop: ## shut the virtual Pi down
 
 virtual-pi-reset: ## throw the virtual Pi's disk away: the next start is a first boot
 	ansible/virtual-pi/virtual-pi.sh reset
+
+test-virtual-pi: $(stamp)-provision ## prove the playbooks on the virtual Pi (hours): STEPS="bare provision again"
+	$(pip) install --require-hashes --requirement locks/build.txt
+	$(bin)/python ansible/virtual-pi/prove.py $(STEPS)
 
 dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
 	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist

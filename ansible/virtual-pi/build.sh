@@ -74,7 +74,8 @@ printf 'network:\n  version: 2\n  renderer: NetworkManager\n' >"$root/usr/lib/ne
 chmod 600 "$root/usr/lib/netplan/00-network-manager-all.yaml"
 # Nothing that would make all virtual Pis one: keys and the machine's id are made at the first boot.
 rm -f "$root"/etc/ssh/ssh_host_* "$root/var/lib/dbus/machine-id"
-printf 'uninitialized\n' >"$root/etc/machine-id"
+# Empty, not "uninitialized": that would enable every unit by its preset, networkd beside NetworkManager.
+: >"$root/etc/machine-id"
 printf 'raspberrypi\n' >"$root/etc/hostname"
 passwd_file=$root/etc/shadow
 sed -i 's/^root:[^:]*:/root:!:/' "$passwd_file"

@@ -35,10 +35,11 @@ card() { # the boot partition: what Raspberry Pi OS has on it, and the seed besi
   mkdir -p "$state/card"
   [ -s "$state/key" ] || ssh-keygen -q -t ed25519 -N '' -C "$host" -f "$state/key"
   cp "$here/config.txt" "$here/cmdline.txt" "$state/card/"
+  : >"$state/card/meta-data" # an image of trixie brings one; the seed replaces it
   "${QROBOT:-$root/.venv/bin/qrobot}" image seed "$state/card" --release "$release" --force \
     --hostname "$host" --user "$user" --key "$state/key.pub" --timezone UTC >/dev/null
   truncate -s 128M "$state/boot.img.part"
-  mkfs.vfat -F 32 -n bootfs "$state/boot.img.part" >/dev/null
+  mkfs.vfat -F 32 -n bootfs "$state/boot.img.part" >"$state/mkfs.log" 2>&1 || fail "$(cat "$state/mkfs.log")"
   mcopy -i "$state/boot.img.part" "$state"/card/* ::
   mv "$state/boot.img.part" "$state/boot.img"
 }

@@ -25,7 +25,14 @@ from qrobot.health.place import environment
 __all__ = ["MARK", "Limits", "Process", "end_all", "resident"]
 
 POLL = 0.02
-"""Seconds between two looks at the process."""
+"""Seconds between two looks at what the process tells."""
+
+SHARE = 20
+"""Its memory is looked at so much more seldom than a look takes: it costs a Pi, and more so an
+emulated one, and would take the processor from what is looked at."""
+
+PAUSE = 1.0
+"""Seconds between two looks at the memory at most: so late is its limit noticed."""
 
 MARK = "QROBOT_HEALTH_CHECK"
 """A variable that a check's children inherit, by which they are found wherever they went."""
@@ -122,12 +129,15 @@ class Process:
 
     def wait(self, stop: Event) -> int:
         """Watch until the end or a stop, return the exit code; nothing of it is left behind."""
-        begun = time.monotonic()
+        begun = due = time.monotonic()
         try:
             while self.process.poll() is None and not stop.is_set():
                 self._drain()
                 self._listen()
-                self.peak = max(self.peak, resident(self.process.pid))
+                if (look := time.monotonic()) >= due:
+                    self.peak = max(self.peak, resident(self.process.pid))
+                    now = time.monotonic()
+                    due = now + min(SHARE * (now - look), PAUSE)
                 if self.peak > self.limits.megabytes:
                     self.overrun = f"took more than {self.limits.megabytes:g} MB of memory"
                 elif time.monotonic() - begun > self.limits.seconds:

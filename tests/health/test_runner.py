@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+import time
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,24 @@ def test_a_wrong_answer_fails(plant: Plant, wrong: str, told: str) -> None:
     found = run(plant("wrong", f"return [{wrong}]"))
     assert found.status == "fail"
     assert f"number 1 is {told}, expected is 1" in found.message
+
+
+def test_watching_the_memory_does_not_take_the_processor(
+    plant: Plant, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks = []
+
+    def slow(_: int) -> float:  # as /proc is on an emulated machine
+        begun = time.monotonic()
+        time.sleep(0.05)
+        looks.append(time.monotonic() - begun)
+        return 1.0
+
+    monkeypatch.setattr("qrobot.health.process.resident", slow)
+    begun = time.monotonic()
+    assert run(plant("long", "import time; time.sleep(2); return [1.0]")).status == "pass"
+    assert looks
+    assert sum(looks) < 0.2 * (time.monotonic() - begun)
 
 
 def test_the_memory_is_that_of_the_check(plant: Plant) -> None:

@@ -8,9 +8,10 @@ module: qrobot_boot
 short_description: Sets lines of config.txt and words of cmdline.txt
 description:
   - cmdline.txt is one line of words. A word C(name=value) that is there with another value is
-    replaced; what is not asked for stays as it is. Several values of one name, as C(console) has them, are kept.
-  - config.txt has sections. The lines asked for are kept in one block under C([all]) at its end,
-    so they count for every board; lines outside the block are never touched.
+    replaced; what is not asked for stays as it is. Several values of one name, as C(console) has
+    them, are kept.
+  - config.txt has sections. The lines asked for are kept in one block under C([all]), which is
+    added at the end, so they count for every board; lines outside the block are never touched.
   - Each file is written aside, synced and renamed, and the first version that was found is kept
     beside it as C(FILE.before-qrobot).
 options:
@@ -59,7 +60,8 @@ from ansible.module_utils.basic import AnsibleModule
 
 BEGIN = "# --- qRobot: begin ---"
 END = "# --- qRobot: end ---"
-BLOCK = re.compile(rf"\n?{re.escape(BEGIN)}\n.*?{re.escape(END)}\n?", re.DOTALL)
+BLOCK = re.compile(rf"\n?{re.escape(BEGIN)}\r?\n.*?{re.escape(END)}\r?\n?", re.DOTALL)
+SECTION = re.compile(r"\s*\[.*\]\s*")
 SEVERAL = ("console", "cgroup_enable", "cgroup_disable")
 """Names that the kernel takes several times, with one value each."""
 
@@ -83,12 +85,27 @@ def cmdline_with(text, words, present=True):
 
 
 def config_with(text, lines, present=True):
-    """Return a config.txt whose block at the end has the lines, or is gone."""
-    rest = BLOCK.sub("\n", text).rstrip("\n")
-    if not present or not lines:
-        return rest + "\n" if rest else ""
-    block = "\n".join([BEGIN, "[all]", *lines, END])
-    return f"{rest}\n\n{block}\n" if rest else f"{block}\n"
+    """Return a config.txt whose block has the lines, or is gone.
+
+    A new block goes to the end; one that is there stays in its place, since what others append
+    after it counts under its C([all]).
+    """
+    found = BLOCK.search(text)
+    if not found and not (present and lines):
+        return text
+    before, after = (text[: found.start()], text[found.end() :]) if found else (text, "")
+    before = before.rstrip("\n") + "\n" if before.strip("\n") else ""
+    if present and lines:
+        block = "\n".join([BEGIN, "[all]", *lines, END])
+        return f"{before}\n{block}\n{after}" if before else f"{block}\n{after}"
+    return before + ("[all]\n" if _needs_all(before, after) else "") + after
+
+
+def _needs_all(before, after):
+    """Return whether lines after the block would fall into a section that begins before it."""
+    sections = [line.strip() for line in before.splitlines() if SECTION.fullmatch(line)]
+    said = [line for line in after.splitlines() if line.strip() and line.strip()[0] != "#"]
+    return bool(sections[-1:] not in ([], ["[all]"]) and said and not SECTION.fullmatch(said[0]))
 
 
 def write(path, text):

@@ -31,8 +31,8 @@ EXAMPLES = r"""
 RETURN = r"""
 machine:
   description: C(arch), C(model), C(os), C(release), C(codename), C(python), C(kernel),
-    C(memory_mb), C(free_mb), C(time) (seconds since 1970), C(firmware), C(systemd), C(dpkg_broken), C(apt_lists),
-    C(swap_managed), C(uid).
+    C(memory_mb), C(free_mb), C(time) (seconds since 1970), C(firmware), C(systemd),
+    C(dpkg_broken), C(apt_lists), C(swap_managed), C(uid).
   returned: always
   type: dict
 """

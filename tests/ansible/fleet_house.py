@@ -1,0 +1,71 @@
+"""What the tests of fleets share: our playbooks run on this machine, each host a folder."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parent))
+from release_house import PLUGINS, load, program
+
+ANSIBLE = PLUGINS.parent
+release = load()
+LOCAL = {"ansible_connection": "local", "ansible_python_interpreter": sys.executable}
+# Nobody listens on port 1: the answer comes at once, without a network.
+DEAD = {"ansible_connection": "ssh", "ansible_host": "127.0.0.1", "ansible_port": 1}
+
+
+class Environment(release.Releases):
+    """Releases whose environments are made of metadata: what is installed is read, not run."""
+
+    packages: dict[str, str]
+
+    def _build(self, target: Path, build: Path, requirements: str, *_: Any) -> None:
+        for name, version in self.packages.items():
+            info = target / f"lib/python3.11/site-packages/{name}-{version}.dist-info"
+            info.mkdir(parents=True)
+            head = f"Metadata-Version: 2.1\nClassifier: x\n  folded\nName: {name}\n"
+            # What follows the head is a text that may hold the same words.
+            (info / "METADATA").write_text(f"{head}Version: {version}\n\nVersion: 99\n")
+
+
+def robot(root: Path, name: str, packages: dict[str, str]) -> Environment:
+    """A root with one release in use."""
+    made = Environment(root)
+    made.packages = packages
+    (root / "wheels").mkdir(parents=True, exist_ok=True)
+    made.install(name, "", root / "wheels", "uv", "python", {"profile": "solver"})
+    made.switch(name)
+    return made
+
+
+def play(
+    folder: Path, playbook: Path, hosts: dict[str, dict[str, Any]], **more: Any
+) -> subprocess.CompletedProcess[str]:
+    """Run a playbook on hosts, with extra variables; the answer with all that was printed."""
+    inventory = {"all": {"hosts": hosts}}
+    (folder / "inventory.json").write_text(json.dumps(inventory))
+    (folder / "ansible.cfg").write_text("[defaults]\ngathering = explicit\n")
+    temporary = folder / "temporary"
+    temporary.mkdir(exist_ok=True)
+    settings = {
+        "ANSIBLE_CONFIG": str(folder / "ansible.cfg"),
+        "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
+        "ANSIBLE_MODULE_UTILS": str(PLUGINS / "module_utils"),
+        "ANSIBLE_LOCAL_TEMP": str(temporary),
+        "ANSIBLE_REMOTE_TEMP": str(temporary),
+        "ANSIBLE_ASYNC_DIR": str(temporary / "jobs"),  # "~" is the login's home, not HOME
+        "ANSIBLE_PIPELINING": "1",
+        "ANSIBLE_NOCOLOR": "1",
+        "LC_ALL": "C.UTF-8",
+        "PATH": os.environ["PATH"],
+        "HOME": str(folder),
+        "TMPDIR": str(temporary),
+    }
+    command = [program("ansible-playbook"), "-i", str(folder / "inventory.json"), str(playbook)]
+    command += ["--extra-vars", json.dumps(more)]
+    return subprocess.run(command, env=settings, capture_output=True, text=True, check=False)
