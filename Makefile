@@ -37,16 +37,16 @@ ANSIBLE_ARGS ?=
 # What make wheelhouse collects for: solver, edge or lab.
 WHEELHOUSE_PROFILE ?= edge
 virtual-pi-packages = qemu-system-arm ipxe-qemu qemu-utils qemu-user-static binfmt-support mmdebstrap arch-test \
-  debian-archive-keyring e2fsprogs dosfstools mtools openssh-client
+  debian-archive-keyring e2fsprogs dosfstools mtools openssh-client iproute2
 playbook = ANSIBLE_CONFIG=ansible/ansible.cfg $(bin)/ansible-playbook --inventory $(INVENTORY) \
   $(if $(LIMIT),--limit $(LIMIT)) $(ANSIBLE_ARGS)
-shell-scripts = docker/*.sh ansible/virtual-pi/*.sh locks/*.sh
+shell-scripts = docker/*.sh ansible/virtual-pi/*.sh locks/*.sh tests/ansible/*.sh
 source = qrobot tests ansible benchmarks docker examples healthchecks locks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup install demo test test-stacks provision upgrade rollback fleet-health drift credentials reset wheelhouse virtual-pi virtual-pi-tools virtual-pi-ssh virtual-pi-stop virtual-pi-reset test-virtual-pi test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
+.PHONY: help setup install demo test test-stacks test-roles provision upgrade rollback fleet-health drift credentials reset wheelhouse virtual-pi virtual-pi-tools virtual-pi-ssh virtual-pi-stop virtual-pi-reset test-virtual-pi test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
 
 help: ## list the targets
 	@echo 'qRobot: orders in, a checked picking plan out.'
@@ -163,6 +163,10 @@ virtual-pi-stop: ## shut the virtual Pi down
 
 virtual-pi-reset: ## throw the virtual Pi's disk away: the next start is a first boot
 	ansible/virtual-pi/virtual-pi.sh reset
+
+test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind that boots in a namespace (root)
+	QROBOT_ROLES=1 $(bin)/python -m pytest -n 2 --dist loadfile tests/ansible/test_roles.py tests/ansible/test_roles_change.py \
+	  tests/ansible/test_roles_ssh.py tests/ansible/test_fleet_machine.py
 
 test-virtual-pi: $(stamp)-provision ## prove the playbooks on the virtual Pi (hours): STEPS="bare provision again"
 	$(pip) install --require-hashes --requirement locks/build.txt

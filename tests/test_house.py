@@ -21,7 +21,18 @@ HEAVY = {
     "qiskit", "scipy", "tensorflow",
 }  # fmt: skip
 
-FLOORS = ["problem", "plan", "models", "remote", "backends", "planning", "report", "health", "image", "cli"]
+FLOORS = [
+    "problem",
+    "plan",
+    "models",
+    "remote",
+    "backends",
+    "planning",
+    "report",
+    "health",
+    "image",
+    "cli",
+]
 MAY_IMPORT = {
     "problem": set(),
     "plan": {"problem"},
@@ -32,7 +43,17 @@ MAY_IMPORT = {
     "report": {"problem", "plan", "models", "backends", "planning"},
     "health": {"problem", "remote"},
     "image": set(),
-    "cli": {"problem", "plan", "models", "remote", "backends", "planning", "report", "health", "image"},
+    "cli": {
+        "problem",
+        "plan",
+        "models",
+        "remote",
+        "backends",
+        "planning",
+        "report",
+        "health",
+        "image",
+    },
 }
 
 

@@ -203,9 +203,7 @@ def cuts(pi: Machine, proof: Proof) -> None:
         reached = pi.cut_during("provision", task, delay, "-e", "qrobot_profile=solver")
         proof.hold(f"reached: {task}", reached.ok, reached.why)
         boot = pi.start()
-        state = pi.ssh(
-            "qrobot-release list 2>&1 || true; ls -l /opt/qrobot 2>&1 || true"
-        )
+        state = pi.ssh("qrobot-release list 2>&1 || true; ls -l /opt/qrobot 2>&1 || true")
         held.append({"during": task, "after": delay, "boot_seconds": boot, "state": state[-400:]})
         proof["cuts"] = held
     run = pi.play("provision", "-e", "qrobot_profile=solver")

@@ -79,7 +79,7 @@ from pathlib import Path
 
 from ansible.module_utils.basic import AnsibleModule
 
-NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._+!-]*")
+NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._+!~%-]*")
 BLOCK = 1 << 20
 
 
