@@ -87,7 +87,7 @@ lint: $(stamp)-dev ## check the style, the types and the locks
 	$(bin)/ruff format --check $(wildcard $(source))
 	$(bin)/mypy
 	$(bin)/python locks/verify.py
-	cd ansible && ../$(bin)/yamllint --strict . && PATH="$(abspath $(bin)):$$PATH" ../$(bin)/ansible-lint --quiet --nocolor
+	cd ansible && ../$(bin)/yamllint --strict . && PATH="$(abspath $(bin)):$$PATH" ../$(bin)/ansible-lint -q --nocolor
 	@if command -v shellcheck >/dev/null; then shellcheck $(shell-scripts); else echo 'no shellcheck here: shell scripts are not checked'; fi
 
 format: $(stamp)-dev ## put the code into the house style
