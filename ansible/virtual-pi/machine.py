@@ -33,6 +33,23 @@ while True:
             print(text.split(bytes(1))[0].decode(), flush=True)
 """
 
+SEARCH = """
+import os, sys
+needles = [word.encode() for word in sys.stdin.readline().split()]
+for top in sys.stdin.readline().split():
+    for folder, folders, names in os.walk(top):
+        for name in names:
+            path = os.path.join(folder, name)
+            if os.path.islink(path) or not os.path.isfile(path):
+                continue
+            try:
+                text = open(path, "rb").read()
+            except OSError:
+                continue
+            if any(needle in text for needle in needles):
+                print(path)
+"""
+
 
 @dataclass
 class Run:
@@ -102,6 +119,7 @@ class Machine:
         self.environment = {**os.environ, "VPI_DIR": str(folder)}
         self.environment["ANSIBLE_CONFIG"] = str(root / "ansible/ansible.cfg")
         self.environment["PYTHONUNBUFFERED"] = "1"
+        self.profile = os.environ.get("VPI_PROFILE", "edge")
         self.wheel = build(root, folder / "wheels")
 
     # --- power -----------------------------------------------------------------------------------
@@ -159,6 +177,14 @@ class Machine:
 
         return stop
 
+    def search(self, needles: list[str], folders: str) -> list[str]:
+        """Return the files that hold a word; it goes there by a pipe: sudo logs its arguments."""
+        return subprocess.run(
+            [self.script, "ssh", f"sudo python3 -c {shlex.quote(SEARCH)}"],
+            env=self.environment, check=True, text=True, capture_output=True,
+            input=f"{' '.join(needles)}\n{folders}\n",
+        ).stdout.split()  # fmt: skip
+
     @contextmanager
     def tunnel(self, port: int) -> Iterator[int]:
         """Forward a port of the machine's loopback, as a person does with ssh -L."""
@@ -202,6 +228,8 @@ class Machine:
         ]  # fmt: skip
         if not any("qrobot_wheel=" in word for word in words):
             command += ["-e", f"qrobot_wheel={self.wheel}"]
+        if not any("qrobot_profile=" in word for word in words):
+            command += ["-e", f"qrobot_profile={self.profile}"]
         return [*command, *words]
 
     def play(self, playbook: str, *words: str) -> Run:
