@@ -58,7 +58,7 @@ root=$work/root
 # A Pi's partitions: the root, and the boot partition that carries config.txt and the seed.
 cat >"$root/etc/fstab" <<'FSTAB'
 LABEL=rootfs / ext4 defaults,noatime 0 1
-LABEL=bootfs /boot/firmware vfat defaults 0 2
+LABEL=bootfs /boot/firmware vfat defaults,x-systemd.device-timeout=900 0 2
 FSTAB
 mkdir -p "$root/boot/firmware"
 # As Raspberry Pi OS tells cloud-init where its seed lies.

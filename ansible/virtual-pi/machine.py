@@ -21,9 +21,9 @@ from wheels import build, rewritten
 
 COUNT = re.compile(r"(ok|changed|unreachable|failed|skipped)=(\d+)")
 SAMPLE = """
-import glob, sys
+import glob, select, sys
 needles = [word.encode() for word in sys.stdin.readline().split()]
-while True:
+while not select.select([sys.stdin], [], [], 0.1)[0]:  # until the connection ends
     for name in glob.glob("/proc/[0-9]*/cmdline"):
         try:
             text = open(name, "rb").read()
@@ -172,8 +172,14 @@ class Machine:
         sampler.stdin.flush()
 
         def stop() -> list[str]:
+            assert sampler.stdin is not None
+            sampler.stdin.close()
+            time.sleep(2)
             os.killpg(sampler.pid, signal.SIGTERM)
-            return sorted(set(sampler.communicate()[0].split("\n")) - {""})
+            assert sampler.stdout is not None
+            seen = sampler.stdout.read()
+            sampler.wait()
+            return sorted(set(seen.split("\n")) - {""})
 
         return stop
 

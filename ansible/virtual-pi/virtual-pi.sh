@@ -80,14 +80,14 @@ start() {
   # A Pi's firmware hands cmdline.txt to the kernel; so is it done here, with what this board needs.
   words=$(mtype -i "$state/boot.img" ::cmdline.txt | head -n 1 | tr ' ' '\n' |
     grep -v -E '^(root=|rootfstype=|console=|fsck.repair=|rootwait)' | tr '\n' ' ')
-  restrict=off
+  restrict=off # and a busy machine emulates slowly: devices are waited for longer than a Pi needs
   [ "${VPI_NETWORK:-}" != restricted ] || restrict=on
   begin=$(date +%s)
   nohup qemu-system-aarch64 -M virt -cpu cortex-a72 -smp "${VPI_CPUS:-2}" -m "${VPI_MEMORY:-4096}" \
     -accel tcg,thread=multi -display none -serial "file:$state/console.log" \
     -monitor "unix:$state/monitor,server=on,wait=off" \
     -kernel "$cache/vmlinuz" -initrd "$cache/initrd" \
-    -append "root=LABEL=rootfs rw console=ttyAMA0 net.ifnames=0 $words" \
+    -append "root=LABEL=rootfs rw console=ttyAMA0 net.ifnames=0 systemd.default_device_timeout_sec=900 $words" \
     -drive "file=$state/disk.qcow2,if=none,id=d0,format=qcow2,discard=unmap" -device virtio-blk-pci,drive=d0 \
     -drive "file=$state/boot.img,if=none,id=d1,format=raw" -device virtio-blk-pci,drive=d1 \
     -netdev "user,id=n0,restrict=$restrict,hostfwd=tcp:127.0.0.1:$(port)-:22" -device virtio-net-pci,netdev=n0 \

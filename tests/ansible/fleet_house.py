@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -50,8 +52,8 @@ def play(
     inventory = {"all": {"hosts": hosts}}
     (folder / "inventory.json").write_text(json.dumps(inventory))
     (folder / "ansible.cfg").write_text("[defaults]\ngathering = explicit\n")
-    temporary = folder / "temporary"
-    temporary.mkdir(exist_ok=True)
+    # A short one: ansible-core 2.21 binds a socket in it, whose path may have 107 bytes.
+    temporary = Path(tempfile.mkdtemp(prefix="q"))
     settings = {
         "ANSIBLE_CONFIG": str(folder / "ansible.cfg"),
         "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
@@ -68,4 +70,7 @@ def play(
     }
     command = [program("ansible-playbook"), "-i", str(folder / "inventory.json"), str(playbook)]
     command += ["--extra-vars", json.dumps(more)]
-    return subprocess.run(command, env=settings, capture_output=True, text=True, check=False)
+    try:
+        return subprocess.run(command, env=settings, capture_output=True, text=True, check=False)
+    finally:
+        shutil.rmtree(temporary)
