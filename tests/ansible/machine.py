@@ -61,6 +61,12 @@ class Run:
     def changed(self) -> int:
         return self.counts["changed"]
 
+    @property
+    def changes(self) -> list[str]:
+        """Names of the tasks that changed something."""
+        tasks = self.text.replace("RUNNING HANDLER [", "TASK [").split("TASK [")[1:]
+        return [task.split("]")[0] for task in tasks if "changed: [" in task]
+
     def why(self) -> str:
         """The message of the last task that failed, in one line."""
         parts = self.text.split("[ERROR]: Task failed: ")

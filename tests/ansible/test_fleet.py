@@ -23,6 +23,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from fleet_house import ANSIBLE, DEAD, LOCAL, play
 from health.samples import check, report
+from release_house import program
 
 ROBOTS = [f"pi-{number}" for number in range(1, 9)]
 Run = Callable[..., tuple[subprocess.CompletedProcess[str], list[list[str]]]]
@@ -92,6 +93,7 @@ def test_a_robot_that_fails_later_keeps_the_rest_untouched(upgrade: Run) -> None
 def test_an_unreachable_robot_fails_the_run_and_ends_it_when_its_batch_is_lost(
     upgrade: Run,
 ) -> None:
+    program("ssh")  # what does not reach the robot that does not answer
     done, batches = upgrade({"pi-4": DEAD})
     assert done.returncode != 0
     assert switched(done) == [name for name in ROBOTS if name != "pi-4"]
@@ -158,6 +160,7 @@ def test_a_fleet_that_is_healthy_and_answers(health: Any) -> None:
 
 
 def test_robots_without_a_new_report_are_named(health: Any, tmp_path: Path) -> None:
+    program("ssh")  # what does not reach the robot that does not answer
     (tmp_path / "fleet").mkdir()
     earlier = report("gone", made="2026-11-01T08:00:00+00:00")
     (tmp_path / "fleet/gone.json").write_text(json.dumps(earlier.to_dict()))

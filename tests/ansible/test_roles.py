@@ -113,7 +113,7 @@ def test_provisioning(machine: Machine, provisioned: Run) -> None:
 
 def test_a_second_run_changes_nothing(provisioned: Run, provision: Callable[..., Run]) -> None:
     again = provision()
-    assert (again.code, again.changed) == (0, 0), again.text[-4000:]
+    assert (again.code, again.changed) == (0, 0), f"{again.changes} {again.text[-4000:]}"
 
 
 def test_a_check_of_the_provisioned_machine_foretells_nothing(
@@ -121,7 +121,7 @@ def test_a_check_of_the_provisioned_machine_foretells_nothing(
 ) -> None:
     before = listing(machine)
     again = provision("--check", "--diff")
-    assert (again.code, again.changed) == (0, 0), again.text[-4000:]
+    assert (again.code, again.changed) == (0, 0), f"{again.changes} {again.text[-4000:]}"
     assert listing(machine) == before
 
 
@@ -188,7 +188,7 @@ def test_one_run_heals_what_was_broken(
     modes = machine.root("stat -c '%a %U' /var/lib/qrobot /var/lib/qrobot-health /etc/qrobot")
     assert modes.splitlines() == ["700 qrobot", "755 qrobot", "755 root"]
     again = provision()
-    assert (again.code, again.changed) == (0, 0), again.text[-4000:]
+    assert (again.code, again.changed) == (0, 0), f"{again.changes} {again.text[-4000:]}"
 
 
 def test_a_report_that_was_removed_is_made_again(
@@ -239,4 +239,4 @@ def test_provisioning_without_a_network(machine: Machine, provision: Callable[..
     offline = provision(qrobot_offline=True)
     assert offline.code == 0, offline.text[-6000:]
     again = provision(qrobot_offline=True)
-    assert (again.code, again.changed) == (0, 0), again.text[-4000:]
+    assert (again.code, again.changed) == (0, 0), f"{again.changes} {again.text[-4000:]}"
