@@ -4,7 +4,8 @@ Usage: python ansible/virtual-pi/prove.py [STEP ...]      (make test-virtual-pi 
 
 Each step writes what it measured into build/virtual-pi/proof.json; one that fails says why and
 the exit code is 1. Without names all run, in this sequence: bare, provision, again, sockets,
-secrets, heal, broken, rollback, desktop, cuts, upgrade_cuts, offline. Emulated: two to three hours on two cores.
+secrets, heal, broken, rollback, desktop, cuts, upgrade_cuts, offline. Emulated: two to three hours
+on two cores.
 """
 
 from __future__ import annotations
@@ -215,7 +216,7 @@ def cuts(pi: Machine, proof: Proof) -> None:
 
 
 def upgrade_cuts(pi: Machine, proof: Proof) -> None:
-    """The power is cut while an upgrade is unpacked, and at the switch: qRobot works all the time."""
+    """The power is cut while an upgrade is unpacked and at its switch: qRobot works on."""
     held = []
     old = pi.ssh("readlink /opt/qrobot/current").strip()
     extra = ("-e", "qrobot_profile=solver", "-e", f"qrobot_wheel={pi.next_wheel()}")
