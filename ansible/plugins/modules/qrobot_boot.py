@@ -123,11 +123,9 @@ def write(path, text):
             stream.flush()
             os.fsync(stream.fileno())
         aside.replace(target)
-        folder = os.open(target.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+        # A rename on FAT leaves size and place of the file to its inode, which is written later;
+        # syncing the folder does not write it, and a cut then leaves an empty file.
+        os.sync()
 
 
 def main():
