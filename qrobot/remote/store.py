@@ -29,6 +29,9 @@ __all__ = ["JobStore", "default_path"]
 VERSION = 1
 """Of the tables; kept in SQLite's user_version."""
 
+PATIENCE = 30.0
+"""Seconds to wait for other writers; a memory card takes a tenth of one for each change."""
+
 LARGEST_ANSWER = 20_000_000
 """Bytes; larger answers are not kept here, but can be fetched from the service again."""
 
@@ -78,12 +81,29 @@ class JobStore:
         except OSError as error:
             raise self._unusable(error.strerror or str(error)) from None
         with self._translated():
-            self._db = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
+            self._db = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
             try:
-                self._prepare()
+                self._prepare_in_turn()
             except BaseException:
                 self._db.close()
                 raise
+
+    def _prepare_in_turn(self) -> None:
+        """Prepare the file, and again while others prepare it.
+
+        Two that switch a new file's journal at once would wait for each other; SQLite then refuses
+        one of them at once, without its patience.
+        """
+        end = time.monotonic() + PATIENCE
+        while True:
+            try:
+                self._prepare()
+            except sqlite3.OperationalError as error:
+                if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or time.monotonic() > end:
+                    raise
+                time.sleep(0.05)
+            else:
+                return
 
     def _prepare(self) -> None:
         """Bring the file into this version's form, or refuse it."""
@@ -97,7 +117,8 @@ class JobStore:
                 mend="upgrade qrobot, or move the file away",
             )
         self._db.execute(_TABLE)
-        self._db.execute(f"PRAGMA user_version={VERSION}")
+        if found != VERSION:
+            self._db.execute(f"PRAGMA user_version={VERSION}")
 
     def _unusable(self, why: str) -> InputError:
         return InputError(

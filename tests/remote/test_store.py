@@ -119,6 +119,19 @@ def test_several_writers(tmp_path: Path) -> None:
         assert len(store.list("done")) == 40
 
 
+def test_a_new_file_that_another_prepares_is_waited_for(tmp_path: Path) -> None:
+    # SQLite itself refuses to switch the journal at once when another has begun to write.
+    path = tmp_path / "j"
+    other = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+    other.execute("BEGIN IMMEDIATE")
+    later = threading.Timer(0.4, other.execute, ["COMMIT"])
+    later.start()
+    with JobStore(path) as store:
+        assert store.add(job()).id
+    later.join()
+    other.close()
+
+
 def test_what_cannot_be_used_is_refused_with_a_mend(tmp_path: Path) -> None:
     broken = tmp_path / "broken"
     broken.write_bytes(b"this is no database, but long enough to look at" * 50)
