@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import re
@@ -10,12 +11,14 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import fat
 from rfb import first_frame
 from wheels import build, rewritten
 
@@ -190,6 +193,18 @@ class Machine:
             env=self.environment, check=True, text=True, capture_output=True,
             input=f"{' '.join(needles)}\n{folders}\n",
         ).stdout.split()  # fmt: skip
+
+    def fat_cuts(self, module: str, files: dict[str, list[str]]) -> tuple[int, list[str]]:
+        """Cut the power of a FAT disk of the machine's while the module replaces files (fat.py)."""
+        guest = (self.root / "ansible/virtual-pi/fat_guest.py").read_text()
+        begin = fat.disk(files, self.folder)
+        image = base64.b64encode(zlib.compress(begin)).decode()
+        told = subprocess.run(
+            [self.script, "ssh", f"sudo python3 -c {shlex.quote(guest)}"],
+            env=self.environment, check=True, text=True, capture_output=True,
+            input=json.dumps({"source": module, "image": image, "files": files}),
+        ).stdout  # fmt: skip
+        return fat.cuts(begin, json.loads(told)["runs"], files, self.folder)
 
     @contextmanager
     def tunnel(self, port: int) -> Iterator[int]:

@@ -4,8 +4,8 @@ Usage: python ansible/virtual-pi/prove.py [STEP ...]      (make test-virtual-pi 
 
 Each step writes what it measured into build/virtual-pi/proof.json; one that fails says why and
 the exit code is 1. Without names all run, in this sequence: bare, provision, again, sockets,
-secrets, heal, broken, rollback, desktop, cuts, upgrade_cuts, offline. Emulated: two to three hours
-on two cores.
+boot_files, secrets, heal, broken, rollback, desktop, cuts, upgrade_cuts, offline. Emulated: two to
+three hours on two cores.
 """
 
 from __future__ import annotations
@@ -86,6 +86,23 @@ def sockets(pi: Machine, proof: Proof) -> None:
     proof.hold("only SSH listens, beside the DHCP client", not rest, str(rest))
     proof["failed_units"] = pi.ssh("systemctl --failed --plain --no-legend").split("\n")[:-1]
     proof.hold("no unit failed", not proof["failed_units"], str(proof["failed_units"]))
+
+
+def boot_files(pi: Machine, proof: Proof) -> None:
+    """Whatever part of a boot file's writing a power cut leaves, the old or the new is there."""
+    files = {
+        name: [before := (HERE / name).read_text(), before + added]
+        for name, added in (("cmdline.txt", ""), ("config.txt", "dtparam=watchdog=on\n"))
+    }
+    files["cmdline.txt"][1] = files["cmdline.txt"][0].rstrip() + " cgroup_enable=memory\n"
+    module = (ROOT / "ansible/plugins/modules/qrobot_boot.py").read_text()
+    looked, lost = pi.fat_cuts(module, files)
+    proof["boot_files_cuts"] = looked
+    proof.hold("no cut loses a boot file", looked > 100 and not lost, "; ".join(lost[:3]))
+    # The control: a module that does not sync must be found out.
+    looked, lost = pi.fat_cuts(module.replace("os.sync()", "pass"), files)
+    proof["boot_files_lost_without_sync"] = len(lost)
+    proof.hold("without syncing some would be lost", bool(lost), f"{looked} looked at")
 
 
 def secrets(pi: Machine, proof: Proof) -> None:
@@ -249,8 +266,8 @@ def offline(pi: Machine, proof: Proof) -> None:
 STEPS = {
     step.__name__: step
     for step in (
-        bare, provision, again, sockets, secrets, heal, broken, rollback, desktop, cuts,
-        upgrade_cuts, offline,
+        bare, provision, again, sockets, boot_files, secrets, heal, broken, rollback, desktop,
+        cuts, upgrade_cuts, offline,
     )
 }  # fmt: skip
 

@@ -52,6 +52,7 @@ files:
   type: list
 """
 
+import contextlib
 import os
 import re
 from pathlib import Path
@@ -109,22 +110,30 @@ def _needs_all(before, after):
 
 
 def write(path, text):
-    """Replace a file; the FAT file system has no journal, so everything is synced."""
+    """Replace a boot file by another text; the first one that was found is kept beside it."""
     before = path.with_name(path.name + ".before-qrobot")
-    for target, data in (
-        (before, path.read_bytes()),
-        (path, text.encode("utf-8", errors="surrogateescape")),
-    ):
-        if target == before and before.exists():
-            continue
-        aside = target.with_name(target.name + ".new")
+    if not before.exists():
+        replace(before, path.read_bytes())
+    replace(path, text.encode("utf-8", errors="surrogateescape"))
+
+
+def replace(path, data):
+    """Replace a file so that a power cut on FAT, which has no journal, leaves the old or the new.
+
+    A rename there leaves size and place of the file to its inode, which is written later, while
+    the clusters of the old file are freed at once: cut between, the name has neither. So everything
+    is synced, and the old file is held open until then, which keeps its clusters.
+    """
+    aside = path.with_name(path.name + ".new")
+    with contextlib.ExitStack() as held:
+        if path.exists():
+            held.enter_context(open(path, "rb"))
         with open(aside, "wb") as stream:
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())
-        aside.replace(target)
-        # A rename on FAT leaves size and place of the file to its inode, which is written later;
-        # syncing the folder does not write it, and a cut then leaves an empty file.
+        os.sync()
+        aside.replace(path)
         os.sync()
 
 
