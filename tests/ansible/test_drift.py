@@ -229,8 +229,8 @@ def test_the_page_stands_by_itself_and_escapes(drift: Program) -> None:
 
 
 def test_the_playbook_names_who_did_not_answer(tmp_path: Path) -> None:
-    program("ssh")  # what does not reach the robot that does not answer
     """Three hosts, two of them folders of this machine, one that nobody answers for."""
+    program("ssh")  # what does not reach the robot that does not answer
     machine = "delta" if platform.machine() == "x86_64" else "beta-two"
     wanted = {"alpha": "1.0", "qrobot": __version__, "delta": "4.0"}
     wanted |= {"gamma": "3.0"} if machine == "delta" else {"beta-two": "2.0"}
