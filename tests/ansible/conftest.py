@@ -1,4 +1,4 @@
-"""Machines for the tests of the roles; where none can be had, a reason."""
+"""Machines for the tests of the roles (where none can be had, a reason), collectors of wheels."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
+from collector_house import House, python_with_pip
 from machine import CACHE, PLAYBOOKS, RELEASE, Machine, Run, why_not
 
 BOOT = Path(__file__).parent / "fixtures" / "boot" / "trixie"
@@ -62,3 +63,15 @@ def provision(machine: Machine, wheel: Path) -> Callable[..., Run]:
         return machine.playbook("provision.yml", *options, **given)
 
     return call
+
+
+@pytest.fixture(scope="session")
+def python(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A Python with pip that sees what this one sees."""
+    return python_with_pip(tmp_path_factory)
+
+
+@pytest.fixture
+def house(tmp_path: Path, python: str) -> House:
+    """A lock, an index in a folder, and the program that collects from it."""
+    return House(tmp_path, python)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import importlib.util
+import importlib
 import os
 import shutil
 import sys
@@ -16,17 +16,16 @@ from typing import Any
 import pytest
 
 PLUGINS = Path(__file__).resolve().parents[2] / "ansible" / "plugins"
-PROGRAM = PLUGINS / "module_utils" / "qrobot_release.py"
+PROGRAM = (
+    f"import sys; sys.path.insert(0, {str(PLUGINS / 'module_utils')!r}); "
+    "from qrobot_release.program import main; sys.exit(main())"
+)
 
 
 def load() -> ModuleType:
     """The module of the releases; it imports nothing of Ansible."""
-    spec = importlib.util.spec_from_file_location("qrobot_release", PROGRAM)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    sys.path.insert(0, str(PLUGINS / "module_utils"))
+    return importlib.import_module("qrobot_release")
 
 
 def program(name: str, *more: str) -> str:

@@ -95,6 +95,15 @@ def test_the_module_reads_a_machine_that_was_never_provisioned(tmp_path: Path) -
     assert not (tmp_path / "no").exists()
 
 
+def test_the_program_of_the_releases_is_managed_whole() -> None:
+    source = (ANSIBLE / "plugins/modules/qrobot_inventory.py").read_text()
+    start, end = source.index("PROGRAM ="), source.index("# What the roles base")
+    space: dict[str, Any] = {}
+    exec(source[start:end], space)
+    folder = ANSIBLE / "plugins/module_utils/qrobot_release"
+    assert sorted(space["PROGRAM"]) == sorted(path.stem for path in folder.glob("*.py"))
+
+
 def test_flavours_of_kernels() -> None:
     """The names are those of Raspberry Pi OS and Debian, bookworm and trixie."""
     source = (ANSIBLE / "plugins/modules/qrobot_inventory.py").read_text()

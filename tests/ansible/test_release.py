@@ -348,7 +348,7 @@ def test_an_id_is_no_path(made: Built, name: str) -> None:
 
 def test_the_program(made: Built) -> None:
     def run(*words: str) -> tuple[int, str]:
-        command = [sys.executable, "-I", PROGRAM, *words, "--root", made.root]
+        command = [sys.executable, "-I", "-c", PROGRAM, *words, "--root", made.root]
         done = subprocess.run(command, capture_output=True, text=True)
         assert "Traceback" not in done.stderr
         return done.returncode, done.stdout + done.stderr
@@ -364,6 +364,6 @@ def test_the_program(made: Built) -> None:
     (made.folder / "b" / "lib" / "tool.py").unlink()
     assert run("verify") == (1, "lib/tool.py is missing\n")
     help_text = subprocess.run(
-        [sys.executable, PROGRAM, "--help"], capture_output=True, text=True, check=True
+        [sys.executable, "-c", PROGRAM, "--help"], capture_output=True, text=True, check=True
     ).stdout
     assert "sudo qrobot-release rollback" in help_text

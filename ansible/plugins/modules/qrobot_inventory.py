@@ -54,6 +54,7 @@ from pathlib import Path
 from ansible.module_utils.basic import AnsibleModule
 from ansible.module_utils.qrobot_release import Releases, read
 
+PROGRAM = ("__init__", "environment", "files", "program", "releases", "state", "wheels")
 # What the roles base, runtime, hardening, metrics, health, jupyter, desktop and docker write.
 MANAGED = (
     "/etc/apt/apt.conf.d/52qrobot-upgrades",
@@ -68,6 +69,7 @@ MANAGED = (
     "/etc/systemd/system/qrobot-health.timer",
     "/etc/systemd/system/qrobot-jupyter.service",
     "/etc/systemd/zram-generator.conf",
+    *(f"/usr/local/lib/qrobot_release/{name}.py" for name in PROGRAM),
     "/usr/local/sbin/qrobot-release",
 )
 BOOT = ("/boot/firmware", "/boot")
