@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import http.client
 import json
 import os
 import re
@@ -218,6 +219,13 @@ class Machine:
         finally:
             os.killpg(child.pid, signal.SIGTERM)
             child.wait()
+
+    def answer(self, port: int, path: str, token: str) -> int:
+        """Ask a page of the machine's loopback through the tunnel; returns the status."""
+        with self.tunnel(port) as here:
+            asked = http.client.HTTPConnection("127.0.0.1", here, timeout=120)
+            asked.request("GET", path, headers={"Authorization": f"token {token}"} if token else {})
+            return asked.getresponse().status
 
     def frame(self) -> dict[str, Any]:
         with self.tunnel(5900) as port:
