@@ -152,7 +152,7 @@ virtual-pi-tools: ## install what runs the virtual Pi (root, Debian): qemu-syste
 	apt-get update --quiet=2
 	apt-get install --yes --quiet=2 --no-install-recommends $(virtual-pi-packages)
 
-virtual-pi: $(stamp)-provision ## boot a virtual Pi (built once by root, 15 minutes)
+virtual-pi: $(stamp)-provision ## boot a virtual Pi (its disk is built once by root, 15 minutes: ansible/virtual-pi/build.sh)
 	ansible/virtual-pi/virtual-pi.sh start
 
 virtual-pi-ssh: ## log into the virtual Pi

@@ -16,7 +16,7 @@ esac
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/qrobot/virtual-pi/$release
 if [ -s "$cache/disk.qcow2" ] && [ -z "${QROBOT_REFRESH:-}" ]; then exit; fi
 if [ "$(id -u)" -ne 0 ]; then
-  echo 'virtual-pi: the disk is built by root: run "sudo make virtual-pi" once' >&2
+  echo "virtual-pi: the disk is built by root, once: sudo env HOME='$HOME' $0 $release" >&2
   exit 1
 fi
 for tool in mmdebstrap qemu-aarch64-static qemu-img mke2fs; do
@@ -86,3 +86,8 @@ mke2fs -q -t ext4 -L rootfs -d "$root" "$work/disk.raw" 16G
 qemu-img convert -O qcow2 "$work/disk.raw" "$cache/disk.part"
 mv "$cache/disk.part" "$cache/disk.qcow2"
 echo "virtual-pi: $(du -h "$cache/disk.qcow2" | cut -f1) in $cache" >&2
+# Built with sudo for a person: it is theirs, and so is the folder that may have been made for it.
+if [ -n "${SUDO_UID:-}" ] && [ -n "${SUDO_GID:-}" ]; then
+  chown "$SUDO_UID:$SUDO_GID" "${XDG_CACHE_HOME:-$HOME/.cache}"
+  chown -R "$SUDO_UID:$SUDO_GID" "${XDG_CACHE_HOME:-$HOME/.cache}/qrobot"
+fi

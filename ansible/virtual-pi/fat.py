@@ -83,7 +83,8 @@ def cuts(
                     if reader == "kernel":
                         subprocess.run(["fsck.vfat", "-a", image], capture_output=True, check=False)
                     for name, texts in files.items():
-                        if text(image, name) not in texts:
+                        kept = text(image, f"{name}.before-qrobot")
+                        if text(image, name) not in texts or kept not in ("", texts[0]):
                             lost.append(
                                 f"{name} for the {reader}, line {state['line']}, "
                                 f"sectors {part} of {sorted(after)}, forced {forced}"

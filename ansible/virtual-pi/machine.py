@@ -141,6 +141,11 @@ class Machine:
     def reset(self) -> None:
         self._script("reset")
 
+    def restart(self) -> None:
+        """Shut it down and boot it again, with a network."""
+        self._script("stop")
+        self.start()
+
     def kill(self) -> None:
         self._script("kill")
 

@@ -273,6 +273,7 @@ def offline(pi: Machine, proof: Proof) -> None:
 
 def lab(pi: Machine, proof: Proof) -> None:
     """The largest profile: every check passes, Jupyter answers by its token, Docker runs."""
+    pi.restart()  # with a network, whatever was before
     run = pi.play("provision", "-e", "qrobot_profile=lab", "-e", "qrobot_docker=true")
     proof.hold("lab", run.code == 0, run.tail())
     proof["lab_seconds"] = run.seconds

@@ -14,6 +14,11 @@ from qrobot.errors import InputError
 
 __all__ = ["Written", "write_card"]
 
+# All that a seed of any release may consist of.
+_KNOWN = (
+    "user-data", "network-config", "meta-data", "ssh", "userconf.txt", "qrobot-wifi.nmconnection",
+    "custom.toml",
+)  # fmt: skip
 # What the files of a fresh image say beside comments; nobody loses anything with them.
 _STOCK = {
     "network:", "version: 2", "ethernets:", "eth0:", "dhcp4: true", "optional: true",
@@ -57,7 +62,7 @@ def write_card(
     release
         Which release they are for.
     force
-        Replace files that hold something else.
+        Replace files that hold something else, and remove those of another seed.
 
     Raises
     ------
@@ -71,9 +76,14 @@ def write_card(
             field="DEST",
             mend="give the folder where the boot partition is mounted, such as /media/me/bootfs",
         )
+    others = _of_another_seed(place, texts)
     if not force:
-        _refuse_to_replace(place, texts)
+        _refuse_to_replace(place, texts, others)
+    for name in texts:  # what cannot be read is refused before anything is written
+        _read(place / name)
     warnings = tuple(_warnings(place, release))
+    for path in others:
+        _remove(path)
     changed = tuple(place / name for name, text in texts.items() if _write(place / name, text))
     identity = re.search(r'^instance-id: "(.*)"$', texts.get("meta-data", ""), re.MULTILINE)
     return Written(
@@ -84,7 +94,22 @@ def write_card(
     )
 
 
-def _refuse_to_replace(place: Path, texts: Mapping[str, str]) -> None:
+def _of_another_seed(place: Path, texts: Mapping[str, str]) -> list[Path]:
+    """Return files that a first boot may read too: they hold somebody's password or Wi-Fi key."""
+    found = [place / name for name in _KNOWN if name not in texts]
+    return [path for path in found if not _stock(_read(path) or b"")]
+
+
+def _remove(path: Path) -> None:
+    try:
+        path.unlink()
+    except OSError as error:
+        raise InputError(
+            f"cannot be removed: {error.strerror}", source=str(path), mend="remove it"
+        ) from None
+
+
+def _refuse_to_replace(place: Path, texts: Mapping[str, str], others: list[Path]) -> None:
     script = place / "firstrun.sh"
     if script.exists():
         raise InputError(
@@ -100,6 +125,12 @@ def _refuse_to_replace(place: Path, texts: Mapping[str, str]) -> None:
                 source=str(place / name),
                 mend="look at it, then use --force to replace it",
             )
+    if others:
+        raise InputError(
+            "is of other settings, and the first boot may read it too",
+            source=str(others[0]),
+            mend="look at it, then use --force to remove it",
+        )
 
 
 def _read(path: Path) -> bytes | None:
@@ -133,6 +164,14 @@ def _write(path: Path, text: str) -> bool:
     return True
 
 
+def _image(place: Path) -> str | None:
+    """Return the release of the image by what it brought; none when a seed has replaced that."""
+    brought = _read(place / "meta-data")
+    if brought is None:
+        return "bookworm"
+    return None if brought.startswith(b"# Written by: qrobot") else "trixie"
+
+
 def _warnings(place: Path, release: str) -> list[str]:
     found = []
     command_line = _read(place / "cmdline.txt")
@@ -140,7 +179,7 @@ def _warnings(place: Path, release: str) -> list[str]:
         found.append(
             f"{place} has no config.txt and no cmdline.txt: it is no boot partition of a Pi"
         )
-    elif (place / "meta-data").exists() != (release == "trixie"):
+    elif (_image(place) or release) != release:
         other = "bookworm" if release == "trixie" else "trixie"
         found.append(
             f"{place} looks like a card of {other}, whose first boot reads other files;"

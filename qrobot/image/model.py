@@ -83,10 +83,17 @@ class StaticAddress:
                 mend="give one such as 192.168.1.20/24",
             ) from None
         # A prefix of 31 or 32 (127, 128) has no address of the network itself.
-        if own.network.num_addresses > 2 and own.ip in (
-            own.network.network_address,
-            own.network.broadcast_address if own.version == 4 else None,
-        ):
+        ends = []
+        if own.network.num_addresses > 2:
+            ends = [own.network.network_address]
+            ends += [own.network.broadcast_address] if own.version == 4 else []
+        if own.is_loopback or own.is_multicast or own.is_unspecified:
+            raise InputError(
+                f"{self.address!a} is no address of one machine on a network",
+                field="--static-address",
+                mend="give one such as 192.168.1.20/24",
+            )
+        if own.ip in ends:
             raise InputError(
                 f"{self.address!a} is the address of a whole network",
                 field="--static-address",
@@ -101,7 +108,9 @@ class StaticAddress:
                 raise InputError(
                     f"{text!a} is no address", field=option, mend="give one such as 192.168.1.1"
                 ) from None
-            if option == "--gateway" and (other not in own.network or other == own.ip):
+            if option == "--gateway" and (
+                other not in own.network or other == own.ip or other in ends
+            ):
                 raise InputError(
                     f"{text!a} is no other machine of the network {own.network}",
                     field=option,

@@ -164,3 +164,21 @@ def test_a_check_changes_nothing_and_an_empty_command_line_is_refused(tmp_path: 
     refused = run(tmp_path)
     assert "cmdline.txt is empty: restore it" in refused["msg"]
     assert (tmp_path / "config.txt").read_bytes() == before["config.txt"]
+
+
+def test_absent_leaves_what_the_owner_had_and_no_copies(tmp_path: Path) -> None:
+    (tmp_path / "cmdline.txt").write_text(f"root=/dev/x {WORDS[0]}\n")
+    (tmp_path / "config.txt").write_text("arm_64bit=1\n")
+    before = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert run(tmp_path)["changed"]
+    assert run(tmp_path, state="absent")["changed"]
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == before
+    assert not run(tmp_path, state="absent")["changed"]
+
+
+def test_a_copy_that_a_cut_left_empty_is_made_again(tmp_path: Path) -> None:
+    shutil.copytree(BOOTS / "trixie", tmp_path, dirs_exist_ok=True)
+    first = (tmp_path / "cmdline.txt").read_bytes()
+    (tmp_path / "cmdline.txt.before-qrobot").touch()
+    assert run(tmp_path)["changed"]
+    assert (tmp_path / "cmdline.txt.before-qrobot").read_bytes() == first

@@ -110,10 +110,41 @@ def test_bookworm_is_written(tmp_path: Path) -> None:
 def test_a_card_of_the_other_release_is_told(card: Path) -> None:
     (warning,) = write_card(card, seed_files(seed(), "bookworm"), "bookworm").warnings
     assert "--release trixie" in warning
-    for name in STOCK:
-        (card / name).unlink()
+    for path in card.iterdir():
+        if path.name not in ("config.txt", "cmdline.txt"):
+            path.unlink()
     (warning,) = write_card(card, TEXTS, "trixie").warnings
     assert "--release bookworm" in warning
+    # As advised; what the wrong one left would hold secrets for ever.
+    texts = seed_files(seed(), "bookworm")
+    with pytest.raises(InputError, match=r"user-data: is of other settings.*--force"):
+        write_card(card, texts, "bookworm")
+    done = write_card(card, texts, "bookworm", force=True)
+    assert done.warnings == ()
+    # A network-config of DHCP by cable is what an image has itself.
+    stay = {"config.txt", "cmdline.txt", "network-config"}
+    assert set(contents(card)) == {*stay, *texts}
+
+
+def test_an_earlier_password_and_wifi_do_not_stay_unsaid(tmp_path: Path) -> None:
+    (tmp_path / "config.txt").touch()
+    (tmp_path / "userconf.txt").write_text("mira:$6$abc\n")
+    (tmp_path / "ssh").touch()  # holds nothing: anybody's
+    texts = seed_files(seed(), "bookworm")
+    with pytest.raises(InputError, match=r"userconf\.txt: is of other settings"):
+        write_card(tmp_path, texts, "bookworm")
+    assert set(contents(tmp_path)) == {"config.txt", "userconf.txt", "ssh"}
+    write_card(tmp_path, texts, "bookworm", force=True)
+    assert set(contents(tmp_path)) == {"config.txt", *texts}
+
+
+def test_nothing_is_written_when_a_later_file_cannot_be(card: Path) -> None:
+    (card / "network-config").unlink()
+    (card / "network-config").mkdir()
+    before = (card / "user-data").read_bytes()
+    with pytest.raises(InputError, match="network-config: cannot be read"):
+        write_card(card, TEXTS, "trixie", force=True)
+    assert (card / "user-data").read_bytes() == before
 
 
 def test_a_folder_that_is_no_card_is_told_and_written(tmp_path: Path) -> None:

@@ -187,7 +187,7 @@ def test_an_unknown_release_is_refused() -> None:
         *(({"user": name}, "--user") for name in
           ["", "root", "qrobot", "Mira", "1a", "a_b", "a.b", "x" * 33, "a:b", "a\n", "www-data"]),
         *(({"timezone": name}, "--timezone") for name in
-          ["", "Europe", "Mars/Base", "../etc/passwd", "/etc/localtime", "UTC\n"]),
+          ["", "Europe", "Mars/Base", "../etc/passwd", "/etc/localtime", "UTC\n", "localtime", "Factory"]),
         *(({"locale": name}, "--locale") for name in ["", "de", "de_DE", "de_DE.utf8; x"]),
         *(({"keyboard": name}, "--keyboard") for name in ["", "d", "DE", "de us"]),
         ({"keys": ()}, "--key"),
@@ -238,6 +238,10 @@ def test_wifis_that_are_refused(values: tuple[str, str, str], says: str) -> None
         (("192.168.1.20",), "--static-address"),
         (("192.168.1.0/24",), "whole network"),
         (("192.168.1.255/24",), "whole network"),
+        (("127.0.0.1/8",), "no address of one machine"),
+        (("224.0.0.9/4",), "no address of one machine"),
+        (("192.168.1.20/24", "192.168.1.255"), "no other machine"),
+        (("192.168.1.20/24", "192.168.1.0"), "no other machine"),
         (("192.168.1.300/24",), "--static-address"),
         (("192.168.1.20/24", "192.168.2.1"), "--gateway"),
         (("192.168.1.20/24", "192.168.1.20"), "--gateway"),

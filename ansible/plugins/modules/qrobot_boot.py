@@ -30,7 +30,9 @@ options:
     elements: str
     default: []
   state:
-    description: C(absent) takes the words and the block out again.
+    description: >-
+      C(absent) takes the words and the block out again, but for the words that the first version
+      has, and removes the copies of the first versions.
     type: str
     choices: [present, absent]
     default: present
@@ -109,10 +111,24 @@ def _needs_all(before, after):
     return bool(sections[-1:] not in ([], ["[all]"]) and said and not SECTION.fullmatch(said[0]))
 
 
+def backup(path):
+    """Return where the first version of a boot file that was found is kept."""
+    return path.with_name(path.name + ".before-qrobot")
+
+
+def own(words, path):
+    """Return the words that the first version of cmdline.txt did not have; none without a copy."""
+    try:
+        before = backup(path).read_bytes().decode("utf-8", errors="replace").split()
+    except OSError:
+        return []
+    return [word for word in words if word not in before]
+
+
 def write(path, text):
     """Replace a boot file by another text; the first one that was found is kept beside it."""
-    before = path.with_name(path.name + ".before-qrobot")
-    if not before.exists():
+    before = backup(path)
+    if not before.exists() or not before.stat().st_size:  # a cut may leave its name only
         replace(before, path.read_bytes())
     replace(path, text.encode("utf-8", errors="surrogateescape"))
 
@@ -153,8 +169,8 @@ def main():
     for word in given["cmdline"]:
         if not word or re.search(r"\s", word):
             module.fail_json(msg=f"cmdline: {word!r} is no single word: give each word by itself")
-    changes, diff = [], []
-    for name, change, wanted in (
+    changes, diff, kept = [], [], []
+    for name, change, asked in (
         ("cmdline.txt", cmdline_with, given["cmdline"]),
         ("config.txt", config_with, given["config"]),
     ):
@@ -165,6 +181,9 @@ def main():
             if name == "cmdline.txt" and isinstance(error, FileNotFoundError):
                 continue  # only config.txt makes a boot partition
             module.fail_json(msg=f"{path}: {error.strerror}: mount the boot partition there")
+        wanted = asked if present or name == "config.txt" else own(asked, path)
+        if not present and backup(path).exists():
+            kept.append(backup(path))
         # A file that says the same is left, however its spaces are.
         new = change(text, wanted, present)
         same = new.split() == text.split() if name == "cmdline.txt" else new == text
@@ -184,7 +203,13 @@ def main():
                 write(path, new)
             except OSError as error:
                 module.fail_json(msg=f"{path}: {error.strerror}; the file is as it was")
-    module.exit_json(changed=bool(changes), files=[path.name for path, _ in changes], diff=diff)
+        for path, _ in [] if present else changes:
+            kept.append(backup(path))
+        for path in kept:
+            path.unlink(missing_ok=True)
+    module.exit_json(
+        changed=bool(changes or kept), files=[path.name for path, _ in changes], diff=diff
+    )
 
 
 if __name__ == "__main__":
