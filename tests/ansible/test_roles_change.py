@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import configparser
 import json
+import os
 import re
 import threading
 from collections.abc import Callable
@@ -47,9 +48,10 @@ class Watch(threading.Thread):
 
     def run(self) -> None:
         while not self.ended.wait(0.02):
-            for path in Path("/proc").glob("[0-9]*/cmdline"):
+            # Not glob, which stumbles over a process that ends while it looks.
+            for number in filter(str.isdigit, os.listdir("/proc")):
                 try:
-                    text = path.read_bytes().decode(errors="replace")
+                    text = Path(f"/proc/{number}/cmdline").read_bytes().decode(errors="replace")
                 except OSError:
                     continue
                 self.seen |= {text for secret in SECRETS.values() if secret in text}
