@@ -5,8 +5,7 @@ Usage: python ansible/virtual-pi/prove.py [STEP ...]      (make test-virtual-pi 
 Each step writes what it measured into build/virtual-pi/proof.json; one that fails says why and
 the exit code is 1. Without names all run, in this sequence: bare, provision, again, sockets,
 boot_files, secrets, heal, broken, rollback, desktop, docker, cuts, upgrade_cuts, offline, lab.
-Emulated:
-three to four hours on two cores.
+Emulated: three to four hours on two cores.
 """
 
 from __future__ import annotations

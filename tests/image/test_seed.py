@@ -187,7 +187,8 @@ def test_an_unknown_release_is_refused() -> None:
         *(({"user": name}, "--user") for name in
           ["", "root", "qrobot", "Mira", "1a", "a_b", "a.b", "x" * 33, "a:b", "a\n", "www-data"]),
         *(({"timezone": name}, "--timezone") for name in
-          ["", "Europe", "Mars/Base", "../etc/passwd", "/etc/localtime", "UTC\n", "localtime", "Factory"]),
+          ["", "Europe", "Mars/Base", "../etc/passwd", "/etc/localtime", "UTC\n", "localtime",
+           "Factory"]),
         *(({"locale": name}, "--locale") for name in ["", "de", "de_DE", "de_DE.utf8; x"]),
         *(({"keyboard": name}, "--keyboard") for name in ["", "d", "DE", "de us"]),
         ({"keys": ()}, "--key"),
