@@ -14,7 +14,7 @@ import sys
 import time
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -233,8 +233,11 @@ class Machine:
             return asked.getresponse().status
 
     def frame(self) -> dict[str, Any]:
-        with self.tunnel(5900) as port:
-            return first_frame("127.0.0.1", port, self.folder / "frame.png")
+        for _ in range(7):  # emulated, wayvnc listens some seconds after it was started
+            with self.tunnel(5900) as port, suppress(ConnectionError):
+                return first_frame("127.0.0.1", port, self.folder / "frame.png")
+            time.sleep(10)
+        return {"colours": 0}
 
     # --- wheels ----------------------------------------------------------------------------------
 

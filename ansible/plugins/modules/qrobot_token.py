@@ -13,6 +13,10 @@ options:
     description: The file; an existing one with 32 characters or more is left, its mode is mended.
     type: path
     required: true
+  variable:
+    description: Name that the file gives to the token, as systemd's C(EnvironmentFile=) reads it.
+    type: str
+    required: true
 author: The qRobot authors
 """
 
@@ -20,6 +24,7 @@ EXAMPLES = r"""
 - name: Make a token for JupyterLab
   qrobot_token:
     path: /etc/qrobot/jupyter.token
+    variable: JUPYTER_TOKEN
 """
 
 RETURN = r"""#"""
@@ -33,10 +38,16 @@ from ansible.module_utils.basic import AnsibleModule
 
 def main():
     module = AnsibleModule(
-        argument_spec={"path": {"type": "path", "required": True}}, supports_check_mode=True
+        argument_spec={
+            "path": {"type": "path", "required": True},
+            "variable": {"type": "str", "required": True},
+        },
+        supports_check_mode=True,
     )
+    name = module.params["variable"] + "="
     path = Path(module.params["path"])
-    present = path.is_file() and len(path.read_bytes().strip()) >= 32
+    text = path.read_text(encoding="utf-8", errors="replace").strip() if path.is_file() else ""
+    present = text.startswith(name) and len(text) >= len(name) + 32
     closed = present and path.stat().st_mode & 0o777 == 0o600
     if not module.check_mode:
         if not present:
@@ -44,7 +55,7 @@ def main():
             aside.unlink(missing_ok=True)
             handle = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
             with os.fdopen(handle, "w") as stream:
-                stream.write(secrets.token_hex(24) + "\n")
+                stream.write(name + secrets.token_hex(24) + "\n")
                 stream.flush()
                 os.fsync(stream.fileno())
             aside.replace(path)
