@@ -233,11 +233,14 @@ class Machine:
             return asked.getresponse().status
 
     def frame(self) -> dict[str, Any]:
-        for _ in range(7):  # emulated, wayvnc listens some seconds after it was started
+        frame: dict[str, Any] = {"colours": 0}
+        for _ in range(7):  # emulated, wayvnc and the terminal on it take seconds to start
             with self.tunnel(5900) as port, suppress(ConnectionError):
-                return first_frame("127.0.0.1", port, self.folder / "frame.png")
+                frame = first_frame("127.0.0.1", port, self.folder / "frame.png")
+            if frame["colours"] > 1:
+                break
             time.sleep(10)
-        return {"colours": 0}
+        return frame
 
     # --- wheels ----------------------------------------------------------------------------------
 

@@ -12,9 +12,11 @@ from qrobot.errors import InputError
 from qrobot.image.model import Seed, Wifi
 from qrobot.image.quoting import keyfile_ssid, quoted
 
-__all__ = ["KEYFILE", "files"]
+__all__ = ["KEYFILE", "NAMES", "files"]
 
 KEYFILE = "qrobot-wifi.nmconnection"
+NAMES = ("ssh", "userconf.txt", KEYFILE, "custom.toml")
+"""All files that a seed may consist of."""
 LOCKED = "!"
 """The hash of no password at all: what ``init_config`` itself takes for one that is missing."""
 

@@ -11,14 +11,10 @@ from pathlib import Path
 
 from qrobot._files import StrPath, write_text_atomic
 from qrobot.errors import InputError
+from qrobot.image import bookworm, trixie
 
 __all__ = ["Written", "write_card"]
 
-# All that a seed of any release may consist of.
-_KNOWN = (
-    "user-data", "network-config", "meta-data", "ssh", "userconf.txt", "qrobot-wifi.nmconnection",
-    "custom.toml",
-)  # fmt: skip
 # What the files of a fresh image say beside comments; nobody loses anything with them.
 _STOCK = {
     "network:", "version: 2", "ethernets:", "eth0:", "dhcp4: true", "optional: true",
@@ -96,7 +92,7 @@ def write_card(
 
 def _of_another_seed(place: Path, texts: Mapping[str, str]) -> list[Path]:
     """Return files that a first boot may read too: they hold somebody's password or Wi-Fi key."""
-    found = [place / name for name in _KNOWN if name not in texts]
+    found = [place / name for name in (*trixie.NAMES, *bookworm.NAMES) if name not in texts]
     return [path for path in found if not _stock(_read(path) or b"")]
 
 

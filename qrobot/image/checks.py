@@ -85,9 +85,9 @@ def ssid(text: str) -> str:
 
 def time_zone(text: str) -> str:
     """Return a time zone; where this machine has no list of them only the form is checked."""
-    # Debian's list has two that are none: a link to the machine's own, and a placeholder.
-    known = zoneinfo.available_timezones() - {"localtime", "Factory"}
+    known = zoneinfo.available_timezones()
     form = re.fullmatch(r"[A-Za-z][A-Za-z0-9_+-]*(/[A-Za-z0-9_+-]+){0,2}", text)
+    # Debian's list has two that are none: a link to the machine's own, and a placeholder.
     if not form or text in ("localtime", "Factory") or (known and text not in known):
         raise _refused(text, "--timezone", "is no time zone", "give one such as Europe/Berlin")
     return text

@@ -13,8 +13,10 @@ import ipaddress
 from qrobot.image.model import Seed
 from qrobot.image.quoting import Value, netplan_ssid, yaml_text
 
-__all__ = ["files", "instance_id"]
+__all__ = ["NAMES", "files", "instance_id"]
 
+NAMES = ("user-data", "network-config", "meta-data")
+"""All files that a seed consists of."""
 _HEAD = "# Written by: qrobot image seed\n"
 _GROUPS = (
     "adm", "audio", "dialout", "gpio", "i2c", "input", "netdev", "plugdev", "render", "spi", "sudo",

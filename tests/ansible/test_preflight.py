@@ -15,7 +15,7 @@ yaml = pytest.importorskip("yaml")
 ROLE = Path(__file__).resolve().parents[2] / "ansible/roles/preflight"
 
 
-def refuse(folder: Path, task: str, zone: str = "UTC", **variables: object) -> tuple[bool, str]:
+def run_task(folder: Path, task: str, zone: str = "UTC", **variables: object) -> tuple[bool, str]:
     """Run one task of the role on this computer; returns whether it passed, and what it said."""
     program = Path(sys.executable).parent / "ansible-playbook"
     if not program.is_file():
@@ -39,9 +39,9 @@ def refuse(folder: Path, task: str, zone: str = "UTC", **variables: object) -> t
 def test_a_clock_is_told_right_from_wrong_in_every_zone(tmp_path: Path, zone: str) -> None:
     now = int(time.time())
     task = "Refuse a wrong clock"
-    assert refuse(tmp_path, task, zone, machine={"time": now})[0]
+    assert run_task(tmp_path, task, zone, machine={"time": now})[0]
     for wrong in (-5 * 3600, 5 * 3600):
-        passed, said = refuse(tmp_path, task, zone, machine={"time": now + wrong})
+        passed, said = run_task(tmp_path, task, zone, machine={"time": now + wrong})
         assert not passed
         told = int(said.split("date --set=@")[1].split('"')[0].split()[0])
         assert 0 <= told - now < 60
@@ -49,5 +49,5 @@ def test_a_clock_is_told_right_from_wrong_in_every_zone(tmp_path: Path, zone: st
 
 def test_a_home_that_the_sandboxes_hide_is_refused(tmp_path: Path) -> None:
     task = "Refuse a home that the services may not see"
-    assert refuse(tmp_path, task, qrobot_home="/var/lib/qrobot")[0]
-    assert not refuse(tmp_path, task, qrobot_home="/home/qrobot")[0]
+    assert run_task(tmp_path, task, qrobot_home="/var/lib/qrobot")[0]
+    assert not run_task(tmp_path, task, qrobot_home="/home/qrobot")[0]

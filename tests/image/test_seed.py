@@ -13,6 +13,8 @@ from image.made import HOSTILE, KEY, OTHER_KEY, name_of_keyfile, seed
 
 from qrobot.errors import InputError
 from qrobot.image import StaticAddress, Wifi, seed_files
+from qrobot.image import bookworm as bookworm_files
+from qrobot.image import trixie as trixie_files
 from qrobot.image.seed import RELEASES
 
 yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
@@ -27,6 +29,12 @@ SSIDS = st.one_of(
 
 def trixie(**changes: Any) -> dict[str, Any]:
     return {name: yaml.safe_load(text) for name, text in seed_files(seed(**changes)).items()}
+
+
+def test_what_a_seed_may_consist_of_is_all_that_it_is_made_of() -> None:
+    full = seed(password="$6$salt$" + "x" * 86, wifi=Wifi("a", "0" * 64, "DE"))
+    assert set(seed_files(full)) == set(trixie_files.NAMES)
+    assert set(seed_files(full, "bookworm")) == set(bookworm_files.NAMES)
 
 
 def test_user_data_says_who_may_log_in() -> None:

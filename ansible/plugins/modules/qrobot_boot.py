@@ -169,7 +169,9 @@ def main():
     for word in given["cmdline"]:
         if not word or re.search(r"\s", word):
             module.fail_json(msg=f"cmdline: {word!r} is no single word: give each word by itself")
-    changes, diff, kept = [], [], []
+    copies = [] if present else [backup(folder / name) for name in ("cmdline.txt", "config.txt")]
+    stale = any(path.exists() for path in copies)
+    changes, diff = [], []
     for name, change, asked in (
         ("cmdline.txt", cmdline_with, given["cmdline"]),
         ("config.txt", config_with, given["config"]),
@@ -182,8 +184,6 @@ def main():
                 continue  # only config.txt makes a boot partition
             module.fail_json(msg=f"{path}: {error.strerror}: mount the boot partition there")
         wanted = asked if present or name == "config.txt" else own(asked, path)
-        if not present and backup(path).exists():
-            kept.append(backup(path))
         # A file that says the same is left, however its spaces are.
         new = change(text, wanted, present)
         same = new.split() == text.split() if name == "cmdline.txt" else new == text
@@ -203,13 +203,13 @@ def main():
                 write(path, new)
             except OSError as error:
                 module.fail_json(msg=f"{path}: {error.strerror}; the file is as it was")
-        for path, _ in [] if present else changes:
-            kept.append(backup(path))
-        for path in kept:
-            path.unlink(missing_ok=True)
-    module.exit_json(
-        changed=bool(changes or kept), files=[path.name for path, _ in changes], diff=diff
-    )
+        for path in copies:
+            try:
+                path.unlink(missing_ok=True)
+            except OSError as error:
+                module.fail_json(msg=f"{path}: {error.strerror}: remove it")
+    names = [path.name for path, _ in changes]
+    module.exit_json(changed=stale or bool(changes), files=names, diff=diff)
 
 
 if __name__ == "__main__":

@@ -54,6 +54,7 @@ from pathlib import Path
 from ansible.module_utils.basic import AnsibleModule
 from ansible.module_utils.qrobot_release import Releases, read
 
+# What the program qrobot-release consists of.
 PROGRAM = ("__init__", "environment", "files", "program", "releases", "state", "wheels")
 # What the roles base, runtime, hardening, metrics, health, jupyter, desktop and docker write.
 MANAGED = (
