@@ -7,14 +7,16 @@ exact probabilities are taken from a circuit in which variable k is qubit n - 1 
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterable
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from qrobot.backends.braket_cloud import TaskEngine, check_fit
+from qrobot.backends.gates.circuit import TURNING, Circuit
+from qrobot.backends.gates.lower import lowered
 from qrobot.backends.variational.ansatz import Ansatz
-from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.devices import arn_of
 from qrobot.backends.variational.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.variational.ising import terms
@@ -29,7 +31,12 @@ __all__ = ["BraketQAOA", "BraketVQE", "circuit_of", "observable"]
 Floats = npt.NDArray[np.float64]
 Bits = npt.NDArray[np.int8]
 
-NAMES = {"rzz": "zz"}
+NAMES = {
+    ("rzz", 0): "zz", ("phase", 0): "phaseshift", ("phase", 1): "cphaseshift", ("x", 1): "cnot",
+    ("x", 2): "ccnot", ("swap", 1): "cswap",
+}  # fmt: skip
+"""Braket's name of a gate with so many controls, where it is not ours. Control modifiers are not
+used: managed devices refuse them."""
 
 
 def observable(bqm: Any) -> Any:
@@ -57,14 +64,14 @@ def observable(bqm: Any) -> Any:
 
 
 def circuit_of(
-    circuit: Circuit, angles: Floats, *, reverse: bool = False, native: bool = True
+    circuit: Circuit, angles: Iterable[float] = (), *, reverse: bool = False, native: bool = True
 ) -> Any:
     """Return a Braket circuit.
 
     Parameters
     ----------
     circuit, angles
-        What to translate; one number a rotation.
+        What to translate; one number a searched rotation.
     reverse
         Whether variable k is qubit n - 1 - k and not qubit k.
     native
@@ -73,13 +80,18 @@ def circuit_of(
     """
     made = _need("braket.circuits", "Braket circuits").Circuit()
     last = circuit.qubits - 1
+    if any(gate.controls for gate in circuit.gates):
+        circuit = lowered(circuit)
+        for qubit in range(circuit.qubits):
+            made.i(qubit)  # so that every qubit is there, used or not
     for gate, angle in circuit.turned(angles):
-        qubits = [last - q if reverse else q for q in gate.qubits]
+        qubits = [last - q if reverse else q for q in (*gate.controls, *gate.qubits)]
         if gate.name == "rzz" and not native:
             made.cnot(*qubits).rz(qubits[1], angle).cnot(*qubits)
             continue
-        given = (angle,) if gate.slot >= 0 else ()
-        getattr(made, NAMES.get(gate.name, gate.name))(*qubits, *given)
+        given = (angle,) if gate.name in TURNING else ()
+        name = NAMES.get((gate.name, len(gate.controls)), gate.name)
+        getattr(made, name)(*qubits, *given)
     return made
 
 

@@ -11,9 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.gates.circuit import Circuit
 from qrobot.backends.pennylane_remote import PluginEngine, admitted, is_local, limited
 from qrobot.backends.variational.ansatz import Ansatz
-from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.variational.ising import terms
 from qrobot.backends.variational.options import Options

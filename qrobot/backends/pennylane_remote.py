@@ -9,7 +9,7 @@ import dimod
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.backends.variational.circuit import Circuit
+from qrobot.backends.gates.circuit import Circuit
 from qrobot.backends.variational.devices import arn_of
 from qrobot.backends.variational.engine import Engine
 from qrobot.backends.variational.options import Options

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.gates.circuit import TURNING, Circuit
 from qrobot.backends.qiskit_runtime import (
     Measured,
     RuntimeEngine,
@@ -22,7 +23,6 @@ from qrobot.backends.qiskit_runtime import (
     open_mode,
 )
 from qrobot.backends.variational.ansatz import Ansatz
-from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.engine import Engine, StateEngine, room
 from qrobot.backends.variational.ising import terms
 from qrobot.backends.variational.options import Options
@@ -35,6 +35,11 @@ __all__ = ["QiskitQAOA", "QiskitVQE", "circuit_of", "sparse_pauli_op"]
 Floats = npt.NDArray[np.float64]
 
 LOCAL = ("statevector", "aer")
+
+CLASSES = {
+    "cz": "CZGate", "h": "HGate", "phase": "PhaseGate", "rx": "RXGate", "ry": "RYGate",
+    "rz": "RZGate", "rzz": "RZZGate", "swap": "SwapGate", "x": "XGate",
+}  # fmt: skip
 
 
 def sparse_pauli_op(bqm: Any) -> Any:
@@ -50,7 +55,7 @@ def sparse_pauli_op(bqm: Any) -> Any:
     return info.SparsePauliOp.from_sparse_list(listed, num_qubits=bqm.num_variables)
 
 
-def circuit_of(circuit: Circuit, angles: Any) -> Any:
+def circuit_of(circuit: Circuit, angles: Any = ()) -> Any:
     """Return a Qiskit circuit.
 
     Parameters
@@ -58,14 +63,18 @@ def circuit_of(circuit: Circuit, angles: Any) -> Any:
     circuit
         What to translate.
     angles
-        One a rotation: numbers, or a ParameterVector.
+        One a searched rotation: numbers, or a ParameterVector.
     """
     qiskit = _need("qiskit", "qiskit circuits", "qiskit")
+    library = _need("qiskit.circuit.library", "qiskit circuits", "qiskit")
     made = qiskit.QuantumCircuit(circuit.qubits)
-    left = iter(angles)
-    for gate in circuit.gates:
-        given = (next(left),) if gate.slot >= 0 else ()
-        getattr(made, gate.name)(*given, *gate.qubits)
+    for gate, angle in circuit.turned(angles):
+        turn = getattr(library, CLASSES[gate.name])(*([angle] if gate.name in TURNING else []))
+        if gate.controls:
+            # Qiskit reads the control state with the first control as its lowest bit.
+            held = sum(value << k for k, value in enumerate(gate.control_values))
+            turn = turn.control(len(gate.controls), ctrl_state=held, annotated=False)
+        made.append(turn, [*gate.controls, *gate.qubits])
     return made
 
 

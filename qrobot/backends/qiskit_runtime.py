@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.backends.variational.circuit import Circuit
+from qrobot.backends.gates.circuit import Circuit
 from qrobot.backends.variational.engine import Engine, attempt
 from qrobot.backends.variational.remote import JobEngine
 from qrobot.errors import BackendError, InputError, MissingExtraError

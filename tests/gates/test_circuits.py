@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from oracles import paper_shaped
 
-from qrobot.backends.gates.circuits import one_hot_program, subspace_program
-from qrobot.backends.gates.circuits_braket import to_braket
-from qrobot.backends.gates.circuits_qiskit import to_qiskit
+from qrobot.backends.gates.circuit import Circuit, Gate
+from qrobot.backends.gates.export import export_circuit
 from qrobot.backends.gates.feasible import FeasibleSet, feasible_set, x_label
-from qrobot.backends.gates.program import Gate, Program, two_level
+from qrobot.backends.gates.general import state
+from qrobot.backends.gates.lower import elementary
+from qrobot.backends.gates.preserving_circuits import (
+    one_hot_circuit,
+    subspace_circuit,
+    two_level,
+)
+from qrobot.backends.gates.qasm import circuit_facts, qasm
 from qrobot.backends.gates.subspace import SubspaceQAOA, one_hot
 from qrobot.errors import InputError
 from qrobot.models import build_model
@@ -23,9 +30,9 @@ CASES = [(2, 1), (3, 1), (2, 2)]
 MIXERS = ["swap", "swap-all", "grover"]
 
 
-def within(program: Program, plans: FeasibleSet, slack: str | None = None) -> np.ndarray:
+def within(circuit: Circuit, plans: FeasibleSet, slack: str | None = None) -> np.ndarray:
     """Return the circuit's amplitudes on the plans."""
-    return program.state()[[program.index(plans.assignment(k, slack)) for k in range(plans.size)]]
+    return state(circuit)[[circuit.index(plans.assignment(k, slack)) for k in range(plans.size)]]
 
 
 def fidelity(a: np.ndarray, b: np.ndarray) -> float:
@@ -36,9 +43,9 @@ def fidelity(a: np.ndarray, b: np.ndarray) -> float:
 @pytest.mark.parametrize("case", CASES, ids=lambda c: f"n{c[0]}K{c[1]}")
 def test_the_circuit_is_the_subspace(case: tuple[int, int], mixer: str) -> None:
     plans = feasible_set(paper_shaped(*case, 0))
-    program = subspace_program(plans, mixer, GAMMAS, BETAS)
+    circuit = subspace_circuit(plans, mixer, GAMMAS, BETAS)
     expected = SubspaceQAOA.of(plans, mixer).state(GAMMAS, BETAS)
-    found = within(program, plans)
+    found = within(circuit, plans)
     np.testing.assert_allclose(found, expected, atol=1e-12)
     assert fidelity(found, expected) > 1 - 1e-9
 
@@ -50,23 +57,23 @@ def test_with_slack_the_qubits_are_the_models(
 ) -> None:
     instance = paper_shaped(*case, 0)
     plans = feasible_set(instance)
-    program = subspace_program(plans, mixer, GAMMAS[:1], BETAS[:1], slack=slack)
+    circuit = subspace_circuit(plans, mixer, GAMMAS[:1], BETAS[:1], slack=slack)
     model = build_model(instance, encoding="reduced", slack=slack)
-    assert [label for label in program.labels if label != "ancilla"] == model.variables
+    assert [label for label in circuit.labels if label != "ancilla"] == model.variables
     expected = SubspaceQAOA.of(plans, mixer).state(GAMMAS[:1], BETAS[:1])
-    assert fidelity(within(program, plans, slack), expected) > 1 - 1e-9
+    assert fidelity(within(circuit, plans, slack), expected) > 1 - 1e-9
 
 
 @pytest.mark.parametrize("n", [2, 3])
 def test_one_hot_circuit(n: int) -> None:
     distances = paper_shaped(n, 1, 1).distances
-    program = one_hot_program(distances, 20.0, GAMMAS, BETAS)
+    circuit = one_hot_circuit(distances, 20.0, GAMMAS, BETAS)
     stops = np.indices((n,) * n).reshape(n, -1)
     indices = [
-        program.index(x_label(t + 1, int(stops[t, k]) + 1) for t in range(n)) for k in range(n**n)
+        circuit.index(x_label(t + 1, int(stops[t, k]) + 1) for t in range(n)) for k in range(n**n)
     ]
     expected = one_hot(distances, 20.0)[0].state(GAMMAS, BETAS)
-    np.testing.assert_allclose(program.state()[indices], expected, atol=1e-12)
+    np.testing.assert_allclose(state(circuit)[indices], expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["rx", "ry"])
@@ -76,49 +83,115 @@ def test_two_levels_turn_alone(a: int, b: int, name: str) -> None:
     angle = 0.7
     c, s = math.cos(angle / 2), math.sin(angle / 2)
     for start in range(8):
-        program = Program(("p", "q", "r"))
-        program.extend(Gate("x", (q,)) for q in range(3) if start >> q & 1)
-        program.extend(two_level(*bits, name, angle))
+        gates = [Gate("x", (q,)) for q in range(3) if start >> q & 1]
+        circuit = Circuit(3, (*gates, *two_level(*bits, name, angle)))
         expected = np.zeros(8, dtype=complex)
         expected[start] = 1.0
         if start in (a, b):
             other, sign = (b, 1) if start == a else (a, -1)
             expected[start], expected[other] = c, (sign * s if name == "ry" else -1j * s)
-        np.testing.assert_allclose(program.state(), expected, atol=1e-12)
+        np.testing.assert_allclose(state(circuit), expected, atol=1e-12)
 
 
 def test_mixers_without_a_circuit_are_refused() -> None:
-    with pytest.raises(InputError, match="no mixer"):
-        subspace_program(feasible_set(paper_shaped(2, 1, 0)), "blender", [0.1], [0.1])
+    with pytest.raises(InputError, match="not a mixer"):
+        subspace_circuit(feasible_set(paper_shaped(2, 1, 0)), "blender", [0.1], [0.1])
 
 
-def programs(layers: int = 2) -> list[Program]:
+def circuits(layers: int = 2) -> list[Circuit]:
     found = [
-        subspace_program(
+        subspace_circuit(
             feasible_set(paper_shaped(*case, 0)), mixer, GAMMAS[:layers], BETAS[:layers]
         )
         for case in CASES
         for mixer in ("swap", "grover")
     ]
-    return [*found, one_hot_program(paper_shaped(2, 1, 1).distances, 20.0, GAMMAS, BETAS)]
+    return [*found, one_hot_circuit(paper_shaped(2, 1, 1).distances, 20.0, GAMMAS, BETAS)]
 
 
 def test_qiskit_has_the_same_state() -> None:
     info = pytest.importorskip("qiskit.quantum_info")
-    for program in programs():
-        state = info.Statevector(to_qiskit(program)).data
-        np.testing.assert_allclose(state, program.state(), atol=1e-9)
-    assert to_qiskit(programs()[0], measure=True).num_clbits == programs()[0].qubits
+    from qrobot.backends.qiskit import circuit_of
+
+    for circuit in circuits():
+        found = info.Statevector(circuit_of(circuit)).data
+        np.testing.assert_allclose(found, state(circuit), atol=1e-9)
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_braket_has_the_same_state() -> None:
     devices = pytest.importorskip("braket.devices")
-    for program in programs(layers=1):
-        circuit = to_braket(program)
-        circuit.state_vector()
-        state = devices.LocalSimulator().run(circuit, shots=0).result().values[0]
-        shaped = np.asarray(state).reshape((2,) * program.qubits)
-        ours = shaped.transpose(range(program.qubits)[::-1]).reshape(-1)
-        np.testing.assert_allclose(ours, program.state(), atol=1e-9)
+    from qrobot.backends.braket import circuit_of
+
+    for circuit in circuits(layers=1):
+        made = circuit_of(circuit)
+        made.state_vector()
+        found = devices.LocalSimulator().run(made, shots=0).result().values[0]
+        shaped = np.asarray(found).reshape((2,) * circuit.qubits)
+        ours = shaped.transpose(range(circuit.qubits)[::-1]).reshape(-1)
+        np.testing.assert_allclose(ours, state(circuit), atol=1e-9)
+
+
+def test_gates_of_one_and_two_qubits_do_the_same() -> None:
+    for circuit in circuits():
+        found = elementary(circuit)
+        assert all(len(gate.controls) + len(gate.qubits) <= 2 for gate in found.gates)
+        np.testing.assert_allclose(state(found), state(circuit), atol=1e-9)
+
+
+def test_qiskit_reads_the_written_circuit() -> None:
+    pytest.importorskip("qiskit_qasm3_import")
+    from qiskit import qasm3
+    from qiskit.quantum_info import Statevector
+
+    for circuit in circuits(layers=1):
+        if circuit_facts(circuit).gates > 2000:
+            continue  # Qiskit takes a second for a thousand statements
+        read = qasm3.loads(qasm(circuit, "a comment\nof two lines"))
+        facts = circuit_facts(circuit)
+        assert read.num_clbits == read.num_qubits == facts.qubits
+        read.remove_final_measurements()
+        assert sum(read.count_ops().values()) == facts.gates
+        assert read.num_nonlocal_gates() == facts.two_qubit_gates
+        assert read.depth() == facts.depth
+        np.testing.assert_allclose(Statevector(read).data, state(circuit), atol=1e-9)
+
+
+def test_an_open_parameter_is_not_written() -> None:
+    with pytest.raises(ValueError, match="open parameters"):
+        qasm(Circuit(1, (Gate("rx", (0,), 0),), 1))
+
+
+@pytest.mark.parametrize(
+    ("case", "mixer"),
+    [((3, 1), "swap"), ((3, 1), "swap-all"), ((2, 1), "grover"), ((1, 2), "swap")],
+)
+def test_measuring_an_exported_circuit_gives_plans_only(
+    tmp_path: Path, case: tuple[int, int], mixer: str
+) -> None:
+    pytest.importorskip("qiskit_qasm3_import")
+    from qiskit import qasm3
+    from qiskit.quantum_info import Statevector
+
+    instance = paper_shaped(*case, 0)
+    report = export_circuit(instance, tmp_path / "plan.qasm", mixer, layers=1)
+    read = qasm3.load(str(tmp_path / "plan.qasm"))
+    read.remove_final_measurements()
+    probabilities = np.abs(Statevector(read).data) ** 2
+    plans = feasible_set(instance)
+    labels = subspace_circuit(plans, mixer, [0.1], [0.1]).labels
+    at = {label: k for k, label in enumerate(labels)}
+    indices = [sum(1 << at[x] for x in plans.assignment(k)) for k in range(plans.size)]
+    assert probabilities[indices].sum() == pytest.approx(1.0, abs=1e-9)
+    best = [indices[k] for k in plans.optimal]
+    assert probabilities[best].sum() == pytest.approx(report["optimum_probability"], abs=1e-9)
+    assert report["optimum_probability"] > report["random_plan_probability"]
+
+
+def test_a_circuit_needs_a_mixer_and_layers(tmp_path: Path) -> None:
+    instance = paper_shaped(2, 1, 0)
+    with pytest.raises(InputError, match="'blender' is not a mixer"):
+        export_circuit(instance, tmp_path / "x.qasm", "blender")
+    with pytest.raises(InputError, match="0 layers"):
+        export_circuit(instance, tmp_path / "x.qasm", layers=0)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from qrobot.backends.gates.circuit import Circuit, Gate
+from qrobot.backends.gates.general import state
 from qrobot.backends.gates.lower import lowered
-from qrobot.backends.gates.program import Gate, Program
 
 ALLOWED = {("x", 1), ("x", 2), ("phase", 1), ("swap", 1)}
 
@@ -18,16 +19,18 @@ def test_any_number_of_controls(name: str, qubits: int) -> None:
     width = 2 if name == "swap" else 1
     for count in range(qubits - width + 1):
         drawn = rng.permutation(qubits).tolist()
-        program = Program(tuple(map(str, range(qubits))))
+        gates: list[Gate] = []
         for axis in ("ry", "rz"):
             angles = rng.uniform(0.3, 2.0, qubits)
-            program.extend(Gate(axis, (q,), float(a)) for q, a in enumerate(angles))
+            gates += [Gate(axis, (q,), angle=float(a)) for q, a in enumerate(angles)]
         controls = tuple(drawn[width : width + count])
         values = tuple(rng.integers(0, 2, count).tolist())
         angle = 0.7 if name not in ("x", "swap") else 0.0
-        program.extend([Gate(name, tuple(drawn[:width]), angle, controls, values)])
-        found = lowered(program)
-        np.testing.assert_allclose(found.state(), program.state(), atol=1e-12)
+        targets = tuple(drawn[:width])
+        gates.append(Gate(name, targets, angle=angle, controls=controls, values=values))
+        circuit = Circuit(qubits, tuple(gates))
+        found = lowered(circuit)
+        np.testing.assert_allclose(state(found), state(circuit), atol=1e-12)
         for gate in found.gates:
             assert not gate.controls or (gate.name, len(gate.controls)) in ALLOWED
             assert set(gate.control_values) <= {1}
@@ -35,5 +38,5 @@ def test_any_number_of_controls(name: str, qubits: int) -> None:
 
 def test_many_controls_stay_affordable() -> None:
     controls = tuple(range(40))
-    program = Program(tuple(map(str, range(41))), [Gate("ry", (40,), 0.3, controls)])
-    assert len(lowered(program).gates) < 16 * 40**2  # quadratic, not exponential
+    circuit = Circuit(41, (Gate("ry", (40,), angle=0.3, controls=controls),))
+    assert len(lowered(circuit).gates) < 16 * 40**2  # quadratic, not exponential

@@ -9,10 +9,11 @@ from gates_sdk.stacks import random_model, small_model
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from qrobot.backends.gates import general
+from qrobot.backends.gates.circuit import Circuit, Gate
 from qrobot.backends.gates.form import Form, diagonal
 from qrobot.backends.gates.simulator import DiagonalQAOA
-from qrobot.backends.variational import Options, make_ansatz, plain, terms
-from qrobot.backends.variational.circuit import Circuit, Gate
+from qrobot.backends.variational import Options, make_ansatz, terms
 from qrobot.backends.variational.devices import DEVICES, arn_of
 from qrobot.backends.variational.engine import PlainEngine, StateEngine, room
 from qrobot.backends.variational.objective import ExactObjective, ShotObjective, Tail
@@ -68,7 +69,7 @@ def test_qaoa_is_the_state_of_the_diagonal_simulator(layers):
     point = ansatz.start(np.random.default_rng(0))
     simulator = DiagonalQAOA(form)
     simulator.run(point[:layers] / form.spread, point[layers:])
-    made = plain.state(ansatz.circuit, ansatz.circuit.angles(point))
+    made = general.state(ansatz.circuit, ansatz.circuit.angles(point))
     assert abs(np.vdot(simulator.vector(), made)) == pytest.approx(1.0, abs=1e-12)
 
 
@@ -76,7 +77,7 @@ def test_the_problem_ansatz_begins_at_qaoa():
     bqm = random_model(4, seed=9)
     form = Form.from_bqm(bqm)
     states = [
-        plain.state(a.circuit, a.circuit.angles(a.centre))
+        general.state(a.circuit, a.circuit.angles(a.centre))
         for a in (make_ansatz(name, form, terms(bqm), 2) for name in ("qaoa", "problem"))
     ]
     assert abs(np.vdot(*states)) == pytest.approx(1.0, abs=1e-12)

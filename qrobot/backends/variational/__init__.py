@@ -1,7 +1,7 @@
 """What the gate samplers on Qiskit, PennyLane and Braket share; it needs none of them."""
 
+from qrobot.backends.gates.circuit import Circuit, Gate
 from qrobot.backends.variational.ansatz import Ansatz, make_ansatz
-from qrobot.backends.variational.circuit import Circuit, Gate
 from qrobot.backends.variational.engine import Engine, StateEngine
 from qrobot.backends.variational.ising import Term, terms
 from qrobot.backends.variational.options import Options

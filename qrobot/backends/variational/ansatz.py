@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot.backends.gates.analytic import best_layer
+from qrobot.backends.gates.circuit import Circuit, Gate
 from qrobot.backends.gates.form import Form
-from qrobot.backends.variational.circuit import Circuit, Gate
 from qrobot.backends.variational.ising import Term
 from qrobot.errors import InputError
 

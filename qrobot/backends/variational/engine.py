@@ -9,10 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.backends.gates import memory
+from qrobot.backends.gates import general, memory
+from qrobot.backends.gates.circuit import Circuit
 from qrobot.backends.gates.form import bits_of
-from qrobot.backends.variational import plain
-from qrobot.backends.variational.circuit import Circuit
 from qrobot.errors import BackendError, QRobotError
 
 __all__ = ["Engine", "PlainEngine", "StateEngine", "attempt", "room"]
@@ -119,13 +118,13 @@ class PlainEngine(StateEngine):
     def probabilities(self, angles: Floats) -> Floats:
         """Return the probabilities of all assignments."""
         self.executions += 1
-        found: Floats = np.abs(plain.state(self.circuit, angles)) ** 2
+        found: Floats = np.abs(general.state(self.circuit, angles)) ** 2
         return found
 
     def slope(self, angles: Floats, weights: Floats) -> tuple[float, Floats]:
         """Return the mean and its derivatives, by one run forward and one backward."""
         self.executions += 1
-        return plain.gradient(self.circuit, angles, weights)
+        return general.gradient(self.circuit, angles, weights)
 
 
 def shift(mean: Any, angles: Floats) -> Floats:

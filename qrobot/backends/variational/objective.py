@@ -13,8 +13,8 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.gates.circuit import Circuit
 from qrobot.backends.gates.form import Form
-from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.engine import Engine, StateEngine, shift
 from qrobot.backends.variational.nft import Turns
 

@@ -9,31 +9,31 @@ strings of the enumerated plans one by one, which is exact and fit for tiny case
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations, pairwise
 
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.gates.circuit import Circuit, Gate
 from qrobot.backends.gates.feasible import FeasibleSet, slack_label, x_label
 from qrobot.backends.gates.mixers import OneHotMixer, transpositions
-from qrobot.backends.gates.program import Gate, Program, two_level
 from qrobot.errors import InputError
 from qrobot.models.slack import Slack, slack_coefficients
 
-__all__ = ["one_hot_program", "subspace_program"]
+__all__ = ["one_hot_circuit", "subspace_circuit", "two_level"]
 
 Floats = npt.NDArray[np.float64]
 
 
-def subspace_program(
+def subspace_circuit(
     feasible: FeasibleSet,
     mixer: str,
     gammas: Sequence[float],
     betas: Sequence[float],
     *,
     slack: Slack | None = None,
-) -> Program:
+) -> Circuit:
     """Return the circuit of `SubspaceQAOA.of(feasible, mixer)`.
 
     Parameters
@@ -49,7 +49,7 @@ def subspace_program(
     """
     if mixer not in ("swap", "swap-all", "grover"):
         raise InputError(
-            f"{mixer!r} is no mixer", field="mixer", mend="use swap, swap-all or grover"
+            f"{mixer!r} is not a mixer", field="mixer", mend="use swap, swap-all or grover"
         )
     instance = feasible.instance
     n, robots = instance.size, len(feasible.capacities)
@@ -63,7 +63,6 @@ def subspace_program(
     alone = robots == 1
     if alone and mixer != "grover":
         labels.append("ancilla")
-    program = Program(tuple(labels))
     at = {label: k for k, label in enumerate(labels)}
     if alone:
         start = _tour_start(at, n)
@@ -72,59 +71,52 @@ def subspace_program(
     else:
         strings = _strings(feasible, at, slack)
         start = _explicit_start(strings)
-    program.extend(start)
+    gates = list(start)
     pairs = transpositions(
         feasible.sequences.shape[1], "all" if mixer == "swap-all" else "adjacent"
     )
     for gamma, beta in zip(gammas, betas, strict=True):
-        program.extend(_distance_phase(instance.distances, at, n, robots, gamma))
+        gates += _distance_phase(instance.distances, at, n, robots, gamma)
         if mixer == "grover":
-            program.extend(_grover(start, ancilla, beta))
+            gates += _grover(start, ancilla, beta)
         elif alone:
             for a, b in pairs:
-                program.extend(_exchange_steps(at, n, a + 1, b + 1, ancilla, beta))
+                gates += _exchange_steps(at, n, a + 1, b + 1, ancilla, beta)
         else:
             for a, b in pairs:
-                program.extend(_exchange_plans(strings, feasible.swapped(a, b), beta))
-    return program
+                gates += _exchange_plans(strings, feasible.swapped(a, b), beta)
+    return Circuit(len(labels), tuple(gates), labels=tuple(labels))
 
 
-def one_hot_program(
+def one_hot_circuit(
     distances: Floats, penalty: float, gammas: Sequence[float], betas: Sequence[float]
-) -> Program:
+) -> Circuit:
     """Return the circuit of `one_hot`: a W state and an XY ring a step, visits by penalty."""
     n = len(distances) - 1
     labels = tuple(x_label(t, i) for t in range(1, n + 1) for i in range(1, n + 1))
     at = {label: k for k, label in enumerate(labels)}
     rows = [[at[x_label(t, i)] for i in range(1, n + 1)] for t in range(1, n + 1)]
-    program = Program(labels)
-    for row in rows:
-        program.extend(_w_state(row))
+    gates = [gate for row in rows for gate in _w_state(row)]
     for gamma, beta in zip(gammas, betas, strict=True):
-        program.extend(_distance_phase(distances, at, n, 1, gamma))
+        gates += _distance_phase(distances, at, n, 1, gamma)
         for column in zip(*rows, strict=True):  # penalty (sum - 1)^2 = 1 - sum + 2 sum of pairs
-            for q in column:
-                program.add("phase", q, angle=gamma * penalty)
-            for a, b in combinations(column, 2):
-                program.add("phase", b, angle=-2 * gamma * penalty, controls=(a,))
+            gates += [Gate("phase", (q,), angle=gamma * penalty) for q in column]
+            gates += [
+                Gate("phase", (b,), angle=-2 * gamma * penalty, controls=(a,))
+                for a, b in combinations(column, 2)
+            ]
         # The constant of the penalty is a global phase: kept, so that amplitudes are equal.
-        program.extend(_global_phase(rows[0][0], -gamma * penalty * n))
+        gates += _global_phase(rows[0][0], -gamma * penalty * n)
         for row in rows:
             for a, b in OneHotMixer.pairs(n):
                 u, v = row[a], row[b]
-                program.add("x", v, controls=(u,))
-                program.add("rx", u, angle=2 * beta, controls=(v,))
-                program.add("x", v, controls=(u,))
-    return program
+                flip = Gate("x", (v,), controls=(u,))
+                gates += [flip, Gate("rx", (u,), angle=2 * beta, controls=(v,)), flip]
+    return Circuit(len(labels), tuple(gates), labels=labels)
 
 
 def _global_phase(qubit: int, angle: float) -> list[Gate]:
-    return [
-        Gate("phase", (qubit,), angle),
-        Gate("x", (qubit,)),
-        Gate("phase", (qubit,), angle),
-        Gate("x", (qubit,)),
-    ]
+    return 2 * [Gate("phase", (qubit,), angle=angle), Gate("x", (qubit,))]
 
 
 def _w_state(row: Sequence[int]) -> list[Gate]:
@@ -133,7 +125,7 @@ def _w_state(row: Sequence[int]) -> list[Gate]:
     for k, (here, there) in enumerate(pairwise(row)):
         keep = 1 / math.sqrt(len(row) - k)
         gates += [
-            Gate("ry", (there,), 2 * math.acos(keep), (here,)),
+            Gate("ry", (there,), angle=2 * math.acos(keep), controls=(here,)),
             Gate("x", (here,), controls=(there,)),
         ]
     return gates
@@ -183,7 +175,7 @@ def _distance_phase(d: Floats, at: dict[str, int], n: int, robots: int, gamma: f
     def turn(length: float, *labels: str) -> None:
         if length and all(label in at for label in labels):
             last, *controls = (at[label] for label in labels)
-            gates.append(Gate("phase", (last,), -gamma * length, tuple(controls)))
+            gates.append(Gate("phase", (last,), angle=-gamma * length, controls=tuple(controls)))
 
     for p in range(robots):
         for i in range(n + 1):
@@ -200,7 +192,7 @@ def _grover(start: Sequence[Gate], qubits: int, beta: float) -> list[Gate]:
     back = [gate.inverse() for gate in reversed(start)]
     flip = Gate("x", (0,))
     others = tuple(range(1, qubits))
-    turn = Gate("phase", (0,), -beta, others, (0,) * len(others))
+    turn = Gate("phase", (0,), angle=-beta, controls=others, values=(0,) * len(others))
     return [*back, flip, turn, flip, *start]
 
 
@@ -214,7 +206,7 @@ def _exchange_steps(
     ]
     h = Gate("h", (ancilla,))
     read = [h, *swaps, h]
-    return [*read, Gate("rz", (ancilla,), 2 * beta), *read]
+    return [*read, Gate("rz", (ancilla,), angle=2 * beta), *read]
 
 
 def _exchange_plans(
@@ -229,7 +221,29 @@ def _exchange_plans(
             alone = strings[k]
             others = tuple(q for q in alone if q != 0)
             values = tuple(alone[q] for q in others)
-            turn = Gate("phase", (0,), -beta, others, values)
+            turn = Gate("phase", (0,), angle=-beta, controls=others, values=values)
             flip = [] if alone[0] else [Gate("x", (0,))]
             gates += [*flip, turn, *flip]
     return gates
+
+
+def two_level(a: Mapping[int, int], b: Mapping[int, int], name: str, angle: float) -> list[Gate]:
+    """Return gates that rotate between two basis states and leave all others alone.
+
+    Parameters
+    ----------
+    a, b
+        Value of each qubit; they differ somewhere. The rotation sees `a` as |0>, `b` as |1>.
+    name, angle
+        The rotation: ``rx`` or ``ry``.
+    """
+    differ = [q for q in a if a[q] != b[q]]
+    pivot, rest = differ[0], differ[1:]
+    # Where the pivot is as in b, flip the rest: b then differs from a in the pivot alone.
+    flips = [Gate("x", (q,), controls=(pivot,), values=(b[pivot],)) for q in rest]
+    others = tuple(q for q in a if q != pivot)
+    if name == "ry" and a[pivot] == 1:
+        angle = -angle
+    values = tuple(a[q] for q in others)
+    turn = Gate(name, (pivot,), angle=angle, controls=others, values=values)
+    return [*flips, turn, *reversed(flips)]
