@@ -1,30 +1,31 @@
-"""Models as files for other programs: an LP of docplex, dimod's JSON, coordinates."""
+"""Models as files for other programs: an LP of docplex, dimod's files, coordinates."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import os
+from collections.abc import Mapping
 from typing import Any, cast
 
 import dimod
 import numpy as np
 
-from qrobot._files import StrPath, write_text_atomic
+from qrobot._files import StrPath, write_bytes_atomic, write_text_atomic
 from qrobot.errors import InputError
 from qrobot.models.model import build_model
-from qrobot.models.penalties import Encoding
+from qrobot.models.penalties import Encoding, Penalties
 from qrobot.models.slack import Slack
 from qrobot.problem import Instance
 
 __all__ = ["FORMATS", "coordinates", "export_model", "format_of"]
 
-FORMATS = {".lp": "lp", ".json": "bqm", ".coo": "coo"}
+FORMATS = {".lp": "lp", ".json": "bqm", ".bqm": "bqm-binary", ".coo": "coo"}
 """The format that each file ending asks for."""
 
 
 def format_of(path: StrPath) -> str:
-    """Return the format that a file's ending asks for: ``lp``, ``bqm`` or ``coo``.
+    """Return the format that a file's ending asks for: ``lp``, ``bqm``, ``bqm-binary`` or ``coo``.
 
     Raises
     ------
@@ -34,9 +35,9 @@ def format_of(path: StrPath) -> str:
     ending = os.path.splitext(os.fspath(path))[1].lower()
     if ending not in FORMATS:
         raise InputError(
-            f"the ending {ending!r} names no format",
+            f"the ending {ending!r} does not name a format",
             source=os.fspath(path),
-            mend="use .lp, .bqm.json or .coo",
+            mend="use .lp, .bqm.json, .bqm or .coo",
         )
     return FORMATS[ending]
 
@@ -46,6 +47,7 @@ def export_model(
     path: StrPath,
     encoding: str | None = None,
     slack: str | None = None,
+    penalties: str | Mapping[str, float] | Penalties | None = "safe",
 ) -> dict[str, Any]:
     """Write the model of an instance to a file; its ending chooses what is written.
 
@@ -56,19 +58,25 @@ def export_model(
     path
         ``.lp``: the constrained model, from docplex. ``.bqm.json`` or ``.json``: the
         penalty form, to be read by `dimod.BinaryQuadraticModel.from_serializable`.
+        ``.bqm``: the same, for `dimod.BinaryQuadraticModel.from_file`.
         ``.coo``: the same as coordinates, see `coordinates`.
     encoding
         None is ``reduced`` for an LP and ``compact`` for a penalty form.
     slack
         ``exact`` or ``paper``; None is ``exact`` for a penalty form, and leaves the
         capacity of an LP an inequality.
+    penalties
+        Of a penalty form: ``safe`` (the lowest energy is the best plan, see
+        `Penalties.safe`), ``measured`` (what samples best here; the lowest energy need not be
+        a plan), or weights by name.
 
     Returns
     -------
     dict
         What was written, as plain data: ``format``, ``encoding``, ``slack``,
-        ``variables``, ``couplings`` (products in the objective), ``constraints`` and
-        ``penalties`` (None in an LP).
+        ``variables``, ``couplings`` (products in the objective), ``constraints``,
+        ``penalties`` (None in an LP), ``ground_state_is_plan`` (whether that is proven), and
+        ``offset`` (the constant) and ``offset_in_file`` (whether a reader gets it).
 
     Raises
     ------
@@ -84,13 +92,18 @@ def export_model(
     if kind == "lp":
         return {"format": kind} | _write_lp(instance, path, encoding or "reduced", slack)
     model = build_model(
-        instance, cast("Encoding", encoding or "compact"), cast("Slack", slack or "exact")
+        instance,
+        cast("Encoding", encoding or "compact"),
+        cast("Slack", slack or "exact"),
+        penalties=penalties,
     )
     if kind == "bqm":
-        text = json.dumps(model.bqm.to_serializable()) + "\n"
+        write_text_atomic(path, json.dumps(model.bqm.to_serializable(), allow_nan=False) + "\n")
+    elif kind == "coo":
+        write_text_atomic(path, coordinates(model.bqm))
     else:
-        text = coordinates(model.bqm)
-    write_text_atomic(path, text)
+        with model.bqm.to_file() as file:
+            write_bytes_atomic(path, file.read())
     return {
         "format": kind,
         "encoding": model.encoding,
@@ -99,6 +112,10 @@ def export_model(
         "couplings": model.bqm.num_interactions,
         "constraints": 0,
         "penalties": dataclasses.asdict(model.penalties),
+        # The proof of the safe weights wants a slack that reaches the whole capacity.
+        "ground_state_is_plan": penalties == "safe" and model.slack == "exact",
+        "offset": float(model.bqm.offset),
+        "offset_in_file": kind != "coo",
     }
 
 
@@ -118,6 +135,9 @@ def _write_lp(
         "couplings": quadratic,
         "constraints": model.number_of_constraints,
         "penalties": None,
+        "ground_state_is_plan": True,
+        "offset": 0.0,
+        "offset_in_file": True,
     }
 
 
@@ -125,8 +145,9 @@ def coordinates(bqm: dimod.BinaryQuadraticModel) -> str:
     """Return a model as lines ``i j bias``, as `dimod.serialization.coo` reads them.
 
     Other than dimod's own writer it rounds nothing, and keeps in comments what the format
-    has no place for: the constant and the names of the variables. A variable that has no
-    bias is written with bias 0, so that none is lost.
+    has no place for: the constant and the names of the variables. The energy of all zeros is
+    0 in this format whatever is written, so a reader's energies lack the constant. A variable
+    that has no bias is written with bias 0, so that none is lost.
     """
     names = list(bqm.variables)
     linear, (rows, columns, values), offset = bqm.to_numpy_vectors(variable_order=names)

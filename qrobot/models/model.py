@@ -141,7 +141,7 @@ def build_model(
     instance: Instance,
     encoding: Encoding = "compact",
     slack: Slack = "exact",
-    penalties: Penalties | Mapping[str, float] | None = None,
+    penalties: Penalties | Mapping[str, float] | str | None = None,
     symmetry: Symmetry = "keep",
 ) -> PickingModel:
     """Model an instance as a binary quadratic model.
@@ -156,7 +156,8 @@ def build_model(
     slack
         ``exact``, or ``paper`` for the paper's ceil(log2 M) binaries a robot.
     penalties
-        Weights of the constraints; a mapping replaces some of the measured ones.
+        Weights of the constraints: ``measured`` (the default), ``safe``, or a mapping that
+        replaces some of the measured ones.
     symmetry
         ``break`` keeps one of the ways in which equal vehicles can exchange their trips
         (compact encoding only). It saves variables; annealers are better off with

@@ -139,9 +139,9 @@ class Penalties:
         cls,
         instance: Instance,
         encoding: Encoding,
-        given: Penalties | Mapping[str, float] | None,
+        given: Penalties | Mapping[str, float] | str | None,
     ) -> Penalties:
-        """Return the penalties given, the measured ones, or these with some replaced.
+        """Return the penalties given or named, the measured ones, or these with some replaced.
 
         Raises
         ------
@@ -150,11 +150,15 @@ class Penalties:
         """
         if isinstance(given, Penalties):
             return given
+        if given == "safe":
+            return cls.safe(instance)
+        if given == "measured":
+            given = None
         if not isinstance(given, Mapping | None):
             raise InputError(
-                f"{given!r} names no weights",
+                f"{given!r} does not name weights",
                 field="penalties",
-                mend='give some by name, such as {"visit": 30.0}',
+                mend='use safe, measured, or some by name, such as {"visit": 30.0}',
             )
         measured = cls.measured(instance, encoding)
         if not given:

@@ -58,6 +58,8 @@ def sample_in_rounds(
     """
     remote = sampler.runs_remotely(**sampling)
     most = (1 if remote else ROUNDS) if most is None else most
+    if chosen.get("penalties") == "measured":  # the default, by name
+        chosen = {name: value for name, value in chosen.items() if name != "penalties"}
     if "penalties" in chosen:
         most = 1
     total = rounds = 0

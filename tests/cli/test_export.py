@@ -50,7 +50,7 @@ def test_json_is_read_by_dimod(
     assert code_of(QUESTION, path, "--json") == 0
     report = json.loads(capsys.readouterr().out)
     found = dimod.BinaryQuadraticModel.from_serializable(json.loads(path.read_text()))
-    model = build_model(qrobot.read(QUESTION))
+    model = build_model(qrobot.read(QUESTION), penalties="safe")
     assert found == model.bqm
     assert report["path"] == str(path)
     assert report["format"] == "bqm"
@@ -69,7 +69,7 @@ def test_coordinates_are_read_by_dimod_without_a_lost_digit(
     assert "reduced: 48 variables" in capsys.readouterr().out
     text = path.read_text()
     found = coo.loads(text)
-    model = build_model(qrobot.read(QUESTION), "reduced", "paper")
+    model = build_model(qrobot.read(QUESTION), "reduced", "paper", "safe")
     comments = [line.split(maxsplit=3) for line in text.splitlines() if line.startswith("# var")]
     names = [words[3] for words in comments if words[1] == "variable"]
     assert names == model.variables
@@ -80,6 +80,38 @@ def test_coordinates_are_read_by_dimod_without_a_lost_digit(
     np.testing.assert_array_equal(
         found.energies((bits, range(len(names)))), model.bqm.energies((bits, names))
     )
+
+
+def test_what_the_lowest_energy_is_worth_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "model.coo"
+    assert code_of(QUESTION, path) == 0
+    told = capsys.readouterr().out
+    assert "The lowest energy of this model is the best plan." in told
+    assert "lack the constant" in told
+    assert code_of(QUESTION, path, "--penalties", "measured") == 0
+    assert "need not be a plan: --penalties safe" in capsys.readouterr().out
+    assert code_of(QUESTION, path, "--encoding", "reduced", "--slack", "paper") == 0
+    assert "need not be a plan" in capsys.readouterr().out
+
+
+def test_a_circuit_beside_a_model_or_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    small = ("--robots", "1", "--capacity", "45")
+    path = tmp_path / "plan.qasm"
+    assert code_of(QUESTION, "--circuit", path, *small, "--json") == 0
+    report = json.loads(capsys.readouterr().out)["circuit"]
+    text = path.read_text()
+    assert f"qubit[{report['qubits']}] q;" in text
+    assert report["plans"] == 24
+    assert code_of(QUESTION, tmp_path / "m.coo", "--circuit", path, *small) == 0
+    assert "382 of them on two qubits" in capsys.readouterr().out
+    assert code_of(QUESTION, "--circuit", path, *small, "--mixer", "blender") == 2
+    assert "'blender' is not a mixer" in one_sentence(capsys)
+    assert code_of(QUESTION) == 2
+    assert "--circuit FILE" in capsys.readouterr().err
 
 
 @needs_docplex
@@ -130,8 +162,8 @@ def test_orders_in_csv(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     ("name", "options", "told"),
     [
-        ("model.txt", (), "use .lp, .bqm.json or .coo"),
-        ("model", (), "use .lp, .bqm.json or .coo"),
+        ("model.txt", (), "use .lp, .bqm.json, .bqm or .coo"),
+        ("model", (), "use .lp, .bqm.json, .bqm or .coo"),
         ("no/folder.json", (), "does not exist"),
         pytest.param(
             "model.lp", ("--encoding", "compact"), "'compact' is unknown", marks=needs_docplex
