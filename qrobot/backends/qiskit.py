@@ -12,7 +12,9 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.backends.gates import memory
 from qrobot.backends.gates.circuit import TURNING, Circuit
+from qrobot.backends.gates.threads import PARALLEL
 from qrobot.backends.qiskit_runtime import (
     Measured,
     RuntimeEngine,
@@ -98,6 +100,7 @@ class _Aer(StateEngine):
 
     def __init__(self, circuit: Circuit, options: dict[str, Any]) -> None:
         super().__init__(circuit)
+        options = _threaded(options, circuit.qubits)
         aer = _need("qiskit_aer", "device aer", "qiskit")
         self._simulator = aer.AerSimulator(
             **({"method": "statevector", "enable_truncation": False} | options)
@@ -112,6 +115,61 @@ class _Aer(StateEngine):
             raise BackendError("device aer: the simulation failed")
         found: Floats = np.abs(np.asarray(result.get_statevector(circuit))) ** 2
         return found
+
+
+class _NoisyAer(StateEngine):
+    """Exact probabilities under a noise model, by Aer's density matrix.
+
+    A state vector under noise is one random trajectory of many: only the density matrix, of
+    4**n numbers, has them all.
+    """
+
+    def __init__(self, circuit: Circuit, options: Options, own: dict[str, Any]) -> None:
+        super().__init__(circuit)
+        aer = _need("qiskit_aer", "device aer", "qiskit")
+        self._simulator = aer.AerSimulator(
+            **_threaded(options.device_options, 2 * circuit.qubits)
+            | {"method": "density_matrix", "enable_truncation": False}
+        )
+        made = _transpiled(circuit, self._simulator, options, own, measure=False)
+        self._made, self.facts = made, dict(made.facts)
+        layout = made.circuit.layout
+        order = range(circuit.qubits) if layout is None else layout.final_index_layout()
+        self._made.circuit.save_probabilities(list(order))
+
+    def probabilities(self, angles: Floats) -> Floats:
+        self.executions += 1
+        circuit, values = self._made.pub(angles)
+        result = self._simulator.run(circuit.assign_parameters(values)).result()
+        if not result.success:
+            raise BackendError("device aer: the simulation failed")
+        return np.asarray(result.data()["probabilities"], dtype=np.float64)
+
+
+def _is_noisy(options: Options) -> bool:
+    """Return whether Aer is given a noise model that does something."""
+    model = options.device_options.get("noise_model")
+    return model is not None and not model.is_ideal()
+
+
+def _check_noise(qubits: int, model: Any) -> None:
+    """Refuse a noise model whose exact probabilities cannot be had.
+
+    Raises
+    ------
+    BackendError
+        When the density matrix does not fit into memory.
+    InputError
+        When measurements err too: a density matrix knows the state, not what is read.
+    """
+    what = f"the density matrix of {qubits} qubits under noise on device aer"
+    memory.require(3 * 16 << 2 * qubits, what, "give shots, which take one trajectory each")
+    if any(error.get("type") == "roerror" for error in model.to_dict()["errors"]):
+        raise InputError(
+            "the noise model has readout errors, which exact probabilities leave out",
+            field="shots",
+            mend="give shots, such as shots=1000",
+        )
 
 
 class _Qiskit(VariationalSampler):
@@ -142,6 +200,8 @@ class _Qiskit(VariationalSampler):
             if device == "aer":
                 _need("qiskit_aer", "device aer", "qiskit")
             room(qubits, f"device {device}")
+            if device == "aer" and options.shots is None and _is_noisy(options):
+                _check_noise(qubits, options.device_options["noise_model"])
             return True
         if isinstance(device, str) and device.partition(":")[0] == "ibm":
             _need("qiskit_ibm_runtime", f"device {device}", "ibm")
@@ -164,15 +224,16 @@ class _Qiskit(VariationalSampler):
         made: Engine
         if (_device(options)) == "statevector":
             made = _Statevector(ansatz.circuit)
+        elif options.shots is None and _is_noisy(options):
+            made = _NoisyAer(ansatz.circuit, options, own)
         elif options.shots is None:
             made = _Aer(ansatz.circuit, options.device_options)
         else:
             aer = _need("qiskit_aer", "device aer", "qiskit")
             primitives = _need("qiskit_aer.primitives", "device aer", "qiskit")
-            simulator = aer.AerSimulator(**options.device_options)
-            sampler = primitives.SamplerV2(
-                seed=options.seed, options={"backend_options": options.device_options}
-            )
+            given = _threaded(options.device_options, ansatz.circuit.qubits)
+            simulator = aer.AerSimulator(**given)
+            sampler = primitives.SamplerV2(seed=options.seed, options={"backend_options": given})
             circuit = _transpiled(ansatz.circuit, simulator, options, own)
             made = Measured(ansatz.circuit, circuit, sampler)
         made.facts.setdefault("device", str(_device(options)))
@@ -216,11 +277,17 @@ def _need(module: str, what: str, extra: str) -> Any:
         raise MissingExtraError(what, extra) from None
 
 
+def _threaded(options: dict[str, Any], qubits: int) -> dict[str, Any]:
+    """Return Aer's options with one thread for a small state, unless the caller chose."""
+    return ({"max_parallel_threads": 1} if qubits < PARALLEL else {}) | dict(options)
+
+
 def _transpiled(
-    circuit: Circuit, backend: Any, options: Options, own: dict[str, Any]
+    circuit: Circuit, backend: Any, options: Options, own: dict[str, Any], *, measure: bool = True
 ) -> Transpiled:
     from qiskit.circuit import ParameterVector
 
     whole = circuit_of(circuit, ParameterVector("angle", len(circuit.rotations)))
-    whole.measure_all()
+    if measure:
+        whole.measure_all()
     return Transpiled(whole, backend, own.get("optimization_level", 3), options.seed)

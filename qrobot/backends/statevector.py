@@ -159,6 +159,11 @@ class StatevectorSampler(PickingSampler):
             samples = 2 * samples - 1
         clock.append(time.perf_counter())
         info = _info(qaoa, found, clock)
+        if len(indices) < num_reads:
+            info["cut"] = (
+                f"the sampler's share of the time was up: the search for angles ended after "
+                f"{found.evaluations} runs, and {len(indices)} of {num_reads} reads were taken"
+            )
         return dimod.SampleSet.from_samples_bqm((samples, list(form.variables)), bqm, info=info)
 
 

@@ -105,7 +105,7 @@ def take_reads(
     parts = timing_fields(samples.info)
     # A remote device tells its own work; a local one's is all that we waited for.
     parts.setdefault("run", time.perf_counter() - begun)
-    if (cut := samples.info.get("cut")) is not None:
+    if (cut := samples.info.get("cut") or _shortfall(samples, parameters, sampling)) is not None:
         run.notes.append(f"{sampler.name}: {cut}")
     for name, seconds in parts.items():
         setattr(run.timing, name, getattr(run.timing, name) + seconds)
@@ -113,6 +113,19 @@ def take_reads(
         run.stop = Stop(AFTERWARDS, run.stop.max_work, parent=run.stop)
     run.work[sampler.name] = len(samples)
     return samples
+
+
+def _shortfall(
+    samples: dimod.SampleSet, parameters: dict[str, Any], sampling: dict[str, Any]
+) -> str | None:
+    """Return a sentence when fewer reads came than were asked for, whatever the reason."""
+    asked, taken = sampling.get("num_reads"), int(samples.record.num_occurrences.sum())
+    allowed = parameters.get("num_reads")
+    if isinstance(asked, int) and isinstance(allowed, int) and allowed < asked:
+        return f"{taken} of {asked} reads were taken: the limit of work allows {allowed}"
+    if isinstance(allowed, int) and 0 < taken < allowed:
+        return f"the sampler's share of the time was up: {taken} of {allowed} reads were taken"
+    return None
 
 
 def parameters_of(

@@ -12,6 +12,7 @@ import numpy as np
 from qrobot.backends.base import Capabilities
 from qrobot.backends.gates import memory
 from qrobot.backends.gates.form import Form
+from qrobot.backends.gates.threads import few_threads
 from qrobot.backends.sampler import PickingSampler, check_finite, check_known, constant_samples
 from qrobot.backends.variational.ansatz import Ansatz, make_ansatz
 from qrobot.backends.variational.engine import Engine, PlainEngine, StateEngine, room
@@ -134,7 +135,8 @@ class VariationalSampler(PickingSampler):
             return _estimated(bqm, FREE)
         if not bqm.num_variables:
             return constant_samples(bqm, int(options.num_reads))
-        return self._sample_here(bqm, options, own)
+        with few_threads(bqm.num_variables):
+            return self._sample_here(bqm, options, own)
 
     def runs_remotely(self, **parameters: Any) -> bool:
         """Return whether `sample` with these parameters asks another machine."""
@@ -193,8 +195,8 @@ class VariationalSampler(PickingSampler):
         info["timing"] = lengths(("build", "optimise", "sample"), clock)
         if reads < options.num_reads:
             info["cut"] = (
-                f"time was up: the search for parameters ended after {info['evaluations']} runs, "
-                f"and {reads} of {options.num_reads} reads were taken"
+                f"the sampler's share of the time was up: the search for parameters ended after "
+                f"{info['evaluations']} runs, and {reads} of {options.num_reads} reads were taken"
             )
         if isinstance(engine, StateEngine) and search.energies is not None:
             info |= ground(engine.probabilities(angles), search.energies)
