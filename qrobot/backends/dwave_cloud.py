@@ -11,7 +11,18 @@ import dimod
 from qrobot.backends.base import Capabilities
 from qrobot.backends.sampler import PickingSampler, check_finite
 from qrobot.errors import MissingExtraError, RemoteError
-from qrobot.remote import PARAMETERS, Answer, Estimate, Keep, Options, RemoteJob, State, run_job
+from qrobot.remote import (
+    PARAMETERS,
+    Answer,
+    Backoff,
+    Estimate,
+    Keep,
+    Options,
+    RemoteJob,
+    State,
+    run_job,
+    with_retries,
+)
 from qrobot.remote.cost import by_time, price, price_source
 from qrobot.remote.dwave import DWaveJobs, check_token, connection, run_seconds
 
@@ -40,6 +51,7 @@ class DWaveCloudSampler(PickingSampler):
         self._child: Any = child
         self._device: str | None = None
         self._limit: float | None = None
+        self._backoff: Backoff | None = None
         self._asked: Any = None
         self._jobs: DWaveJobs | None = None
         self._local: dict[str, dimod.SampleSet] = {}
@@ -64,7 +76,9 @@ class DWaveCloudSampler(PickingSampler):
         Raises
         ------
         CredentialsError
-            When there is no token; at once, without asking a network.
+            When there is no token (at once, without asking a network), or it is refused.
+        RemoteError
+            When the service cannot be reached.
         MissingExtraError
             When the SDK is not installed.
         """
@@ -81,7 +95,13 @@ class DWaveCloudSampler(PickingSampler):
             config["solver"] = device
         if self._limit is not None:  # one try of the SDK, then ours with their own timeout
             config |= {"request_timeout": min(30.0, self._limit), "http_retry_total": 0}
-        self._child, self._device, self._jobs = self.make_child(config), device, None
+        self._child = with_retries(
+            lambda: self.make_child(config),
+            what=self.title,
+            backoff=self._backoff,
+            stop=self._asked,
+        )
+        self._device, self._jobs = device, None
         return self._child
 
     def close(self) -> None:
@@ -137,7 +157,7 @@ class DWaveCloudSampler(PickingSampler):
         parameters = self.remove_unknown_kwargs(**parameters)
         check_finite(bqm)
         options = Options.take_from(parameters)
-        self._limit = options.timeout
+        self._limit, self._backoff = options.timeout, options.backoff
         self._asked = options.interrupt_function
         return run_job(self, bqm, options, **parameters)
 

@@ -128,6 +128,9 @@ def main(arguments: list[str] | None = None) -> None:
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:
     with suppress(OSError):  # nobody reads, or a log on a full disk: the code still tells
         if debug:
-            traceback.print_exception(error)
+            from qrobot.remote.redaction import redact
+
+            # The chain of an error may quote a service, and a service may quote a token.
+            click.echo(redact("".join(traceback.format_exception(error))), err=True, nl=False)
         click.echo(f"qrobot: {' '.join(text.split())}", err=True)
     return code

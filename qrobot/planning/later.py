@@ -17,7 +17,7 @@ from qrobot.planning.sampling import build, use_reads
 from qrobot.planning.solving import DEFAULT_DEADLINE, refuse_options, result_of
 from qrobot.problem import Instance
 from qrobot.problem.formats.native import parse_native
-from qrobot.remote import Estimate, JobStore, fetch
+from qrobot.remote import Estimate, JobStore, fetch, with_retries
 from qrobot.remote.cost import FREE
 
 __all__ = ["collect", "estimate", "submit"]
@@ -54,9 +54,12 @@ def estimate(
     model = build(instance, sampler, chosen)
     asked = parameters_of(sampler, model, sampling, Stop(max_work=max_work), seed)
     life = {"interrupt_function", "context", "max_cost"}
-    return sampler.estimate(
-        model.bqm, **{name: value for name, value in asked.items() if name not in life}
-    )
+    asked = {name: value for name, value in asked.items() if name not in life}
+    if not sampler.runs_remotely(**sampling):
+        return sampler.estimate(model.bqm, **asked)
+    # The service may have to be asked: its errors are told as those of every other call.
+    title = getattr(sampler, "title", f"backend {sampler.name}")
+    return with_retries(lambda: sampler.estimate(model.bqm, **asked), what=title)
 
 
 def submit(

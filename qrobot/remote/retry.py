@@ -122,7 +122,9 @@ def classify(error: BaseException) -> Kind:
     codes = {_aws_code(one) for one in chain}
     status = next((s for one in chain if (s := _status(one)) is not None), None)
     text = str(error).lower()
-    if names & _CREDENTIALS or codes & _CREDENTIAL_CODES or status in (401, 403):
+    # SDKs call it a wrong account too when nobody could be asked: only an answer refuses.
+    silent = status is None and bool(names & (_REFUSED | _ARRIVED))
+    if codes & _CREDENTIAL_CODES or status in (401, 403) or (names & _CREDENTIALS and not silent):
         return "credentials"
     if "token not defined" in text or "unable to find account" in text:
         return "credentials"

@@ -41,6 +41,13 @@ KINDS = [
     (ClientError("ThrottlingException", 400), "busy"),
     (ClientError("ValidationException", 400), "final"),
     (named("NoCredentialsError"), "credentials"),
+    # Qiskit Runtime says so where nobody could be asked.
+    (
+        named("InvalidAccountError", named("ConnectionError", named("NameResolutionError"))),
+        "refused",
+    ),
+    (named("InvalidAccountError", named("ReadTimeout")), "lost"),
+    (named("InvalidAccountError", ClientError("Forbidden", 403)), "credentials"),
     (ConnectionRefusedError(111, "refused"), "refused"),
     (named("ConnectionError", named("MaxRetryError", named("NewConnectionError"))), "refused"),
     (RequestTimeout("late"), "lost"),
