@@ -155,6 +155,8 @@ class _Braket(VariationalSampler):
         if not isinstance(own.get("run_options"), dict | None):
             raise InputError("sets nothing", field="run_options", mend="give options by name")
         device = options.device or "local"
+        if not isinstance(device, str) or device in ("local", "braket_sv", "braket_dm"):
+            options.refuse_device_options("a device of this machine or a device object")
         if device in ("local", "braket_sv"):
             room(qubits, "Braket's local simulator")
             return True

@@ -137,6 +137,8 @@ class _Exact(_Shots, StateEngine):
         runs = 2 * angles.size + 1 if self._method == "parameter-shift" else 1
         self.executions += runs
         qml, wires = self._qml, range(self.circuit.qubits)
+        if self._method == "backprop":  # knows no sparse observables, but derives probabilities
+            return self._backpropagated(angles, weights)
         # A tail is constant above its end: less that, few entries are left.
         level = float(weights.max())
         kept = np.flatnonzero(weights < level)
@@ -156,13 +158,26 @@ class _Exact(_Shots, StateEngine):
         found = np.asarray(slope(qml.numpy.array(angles, requires_grad=True)), dtype=np.float64)
         return float(slope.forward) + level, found
 
+    def _backpropagated(self, angles: Floats, weights: Floats) -> tuple[float, Floats]:
+        qml = self._qml
+
+        def circuit(turns: Any) -> Any:
+            self._apply(turns)
+            return qml.probs(wires=range(self.circuit.qubits))
+
+        node = qml.QNode(circuit, self._device, diff_method="backprop")
+        slope = qml.grad(lambda turns: qml.math.dot(node(turns), weights))
+        found = np.asarray(slope(qml.numpy.array(angles, requires_grad=True)), dtype=np.float64)
+        return float(slope.forward), found
+
 
 class _PennyLane(VariationalSampler):
     """Both algorithms on PennyLane.
 
     ``device``: any device name (``lightning.qubit`` is the default; ``default.qubit``,
     ``braket.local.qubit``, ``braket.aws.qubit`` ...), made with ``device_options``.
-    ``diff_method``: ``adjoint`` (default where the device has it) or ``parameter-shift``.
+    ``diff_method``: ``adjoint`` (default where the device has it), ``parameter-shift``, or
+    ``backprop`` on ``default.qubit``.
     """
 
     sdk = "pennylane"
@@ -173,19 +188,24 @@ class _PennyLane(VariationalSampler):
         """Refuse what does not fit; True for devices of this machine."""
         _need(f"backend {self.name}")
         method = own.get("diff_method")
-        if method not in (None, "adjoint", "parameter-shift", "backprop"):
-            raise InputError(
-                f"{method!r} is no way to derive",
-                field="diff_method",
-                mend="use adjoint or parameter-shift",
-            )
         device = options.device or DEFAULT
+        exact = options.shots is None and not options.device_options.get("shots")
+        allowed = _methods(device if exact else None)
+        if method is not None and method not in allowed:
+            where = f"device {device}" + ("" if exact else " with shots")
+            raise InputError(
+                f"{method!r} is not a way to derive on {where}",
+                field="diff_method",
+                mend=f"use {' or '.join(allowed)}",
+            )
         if isinstance(device, str):
             _installed(device)
         elif not hasattr(device, "execute") and not hasattr(device, "apply"):
             raise InputError(
-                f"{device!r} is no PennyLane device", field="device", mend="give its name"
+                f"{device!r} is not a PennyLane device", field="device", mend="give its name"
             )
+        else:
+            options.refuse_device_options("a device object")
         if not is_local(device):  # it has limits of its own
             return False
         room(qubits, f"device {device}")
@@ -237,6 +257,13 @@ class PennyLaneQAOA(_PennyLane):
     """QAOA on PennyLane (backend ``pennylane-qaoa``)."""
 
     algorithm = "qaoa"
+
+
+def _methods(device: Any) -> tuple[str, ...]:
+    """Return how derivatives can be had on a device; ``None``: of measured shots."""
+    if device == "default.qubit":
+        return ("adjoint", "backprop", "parameter-shift")
+    return ("adjoint", "parameter-shift") if device in ADJOINT else ("parameter-shift",)
 
 
 def _need(what: str) -> Any:

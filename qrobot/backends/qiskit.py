@@ -192,6 +192,8 @@ class _Qiskit(VariationalSampler):
         if isinstance(level, bool) or level not in range(4):
             raise InputError(f"{level!r} is no level", field="optimization_level", mend="use 0..3")
         mode = own.get("mode")
+        if mode is not None or _device(options) == "statevector":
+            options.refuse_device_options("a mode" if mode is not None else "device statevector")
         if mode is not None:
             check_fit(backend_of(mode), qubits)
             return False

@@ -116,6 +116,21 @@ class Options:
             return float(self.alpha)
         return max(0.05, 2.0 ** min(0, 4 - qubits))
 
+    def refuse_device_options(self, device: str) -> None:
+        """Refuse options for a device that is not made with any.
+
+        Raises
+        ------
+        InputError
+            With their names.
+        """
+        if self.device_options:
+            raise InputError(
+                f"{device} takes no options, not {', '.join(map(str, self.device_options))}",
+                field="device_options",
+                mend="leave them out",
+            )
+
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """Return the names of all options."""

@@ -21,8 +21,8 @@ from qrobot.backends.variational.ising import terms
 from qrobot.backends.variational.options import Options
 from qrobot.backends.variational.remote import RemoteEngine
 from qrobot.backends.variational.search import Search
-from qrobot.errors import QRobotError, RemoteError
-from qrobot.remote import PARAMETERS, Estimate, check_budget
+from qrobot.errors import BackendError, QRobotError, RemoteError
+from qrobot.remote import PARAMETERS, Estimate, check_budget, redact
 from qrobot.remote import Options as Life
 from qrobot.remote.cost import FREE, together
 from qrobot.remote.samples import empty
@@ -135,8 +135,14 @@ class VariationalSampler(PickingSampler):
             return _estimated(bqm, FREE)
         if not bqm.num_variables:
             return constant_samples(bqm, int(options.num_reads))
-        with few_threads(bqm.num_variables):
-            return self._sample_here(bqm, options, own)
+        try:
+            with few_threads(bqm.num_variables):
+                return self._sample_here(bqm, options, own)
+        except QRobotError:
+            raise
+        except Exception as error:  # each SDK has errors of its own, for options of its own too
+            text = redact(f"{type(error).__name__}: {error}")
+            raise BackendError(f"backend {self.name} failed: {text}") from error
 
     def runs_remotely(self, **parameters: Any) -> bool:
         """Return whether `sample` with these parameters asks another machine."""
