@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_LENGTH", "check_coordinate", "check_count", "check_index", "check_length"]
+__all__ = [
+    "MAX_LENGTH",
+    "check_coordinate",
+    "check_count",
+    "check_index",
+    "check_length",
+    "check_reference",
+]
 
 MAX_LENGTH = 1e9
 """No length or coordinate is larger, so that no sum of them overflows or loses a metre."""
@@ -37,3 +44,9 @@ def check_length(value: float, field: str, *, least: float = 0.0, most: float = 
 def check_coordinate(value: float, field: str) -> None:
     """Raise `InputError` when a coordinate, metres, is not finite or huge."""
     check_length(value, field, least=-MAX_LENGTH)
+
+
+def check_reference(value: float) -> None:
+    """Raise `InputError` when a known value is not one that a gap can be told against."""
+    if value != 0:  # nothing to collect, or all of it at the depot
+        check_length(value, "reference", least=1e-9, most=1e15)

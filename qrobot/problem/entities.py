@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from qrobot.errors import InputError
+from qrobot.problem.names import canonical
 from qrobot.problem.units import Quantity, exact
 from qrobot.problem.warehouse import Place
 
@@ -21,7 +22,8 @@ class Item:
     Parameters
     ----------
     id
-        Unique name.
+        Unique name; kept in Unicode's composed form (NFC), so that names that look the same
+        are the same.
     weight
         Weight, kg by convention. Numbers and text count as the decimal that they are written
         as; the field is an exact fraction.
@@ -38,7 +40,8 @@ class Item:
         def __init__(self, id: str, weight: Quantity, place: Place) -> None: ...
 
     def __post_init__(self) -> None:
-        """Take a plain number for the decimal that it is written as."""
+        """Keep the name's composed form, and a number as the decimal that it is written as."""
+        object.__setattr__(self, "id", canonical(self.id))
         if not isinstance(self.weight, Fraction):
             object.__setattr__(self, "weight", exact(self.weight, field="weight"))
 
@@ -63,14 +66,15 @@ class Order:
         def __init__(self, id: str, items: Sequence[str]) -> None: ...
 
     def __post_init__(self) -> None:
-        """Keep the ids of any sequence as a tuple."""
+        """Keep the ids of any sequence as a tuple, in their composed form."""
         if isinstance(self.items, str):
             raise InputError(
                 f"{self.items!r} is one text, not several ids",
                 field="items",
                 mend="give a tuple of ids",
             )
-        object.__setattr__(self, "items", tuple(self.items))
+        object.__setattr__(self, "id", canonical(self.id))
+        object.__setattr__(self, "items", tuple(map(canonical, self.items)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +105,7 @@ class Robot:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        """Take a plain number for the decimal that it is written as."""
+        """Keep the name's composed form, and a number as the decimal that it is written as."""
+        object.__setattr__(self, "id", canonical(self.id))
         if not isinstance(self.capacity, Fraction):
             object.__setattr__(self, "capacity", exact(self.capacity, field="capacity"))

@@ -18,10 +18,12 @@ import numpy.typing as npt
 
 from qrobot.errors import InputError
 from qrobot.problem.asymmetry import unreachable, unusual
+from qrobot.problem.checks import check_reference
+from qrobot.problem.coarse import coarse
 from qrobot.problem.entities import Item, Order, Robot
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
 from qrobot.problem.validity import MAX_ITEMS, check_entities, some
-from qrobot.problem.warehouse import DistanceTable, Place, Warehouse
+from qrobot.problem.warehouse import DistanceTable, OpenFloor, Place, Warehouse
 
 __all__ = ["Instance"]
 
@@ -43,7 +45,10 @@ class Instance:
     name, comment
         For people.
     reference
-        A known value of the least distance, from a benchmark file.
+        A known value of the least distance, from a benchmark file; never part of the
+        question.
+    remarks
+        What the reader of a file passed over or took for granted, one sentence each.
 
     Raises
     ------
@@ -60,10 +65,13 @@ class Instance:
     comment: str = ""
     reference: float | None = None
     split: bool = field(default=False)
+    remarks: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without distances."""
         check_entities(self.warehouse, self.items, self.orders, self.robots)
+        if self.reference is not None:
+            check_reference(self.reference)
 
     # -- numbers for solvers ---------------------------------------------------------
 
@@ -247,10 +255,14 @@ class Instance:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Facts about the input that its plans depend on, one sentence each."""
+        if isinstance(self.warehouse, OpenFloor) and self.warehouse.rounding == "nearest":
+            exact = dataclasses.replace(self.warehouse, rounding="none")
+            lengths = exact.distance_matrix(self.places)
+            return self.remarks + coarse(self.place_distances, lengths, "EUC_2D")
         if not isinstance(self.warehouse, DistanceTable):
-            return ()  # metric by construction
+            return self.remarks  # metric by construction
         first = np.unique(self.place_of_node, return_index=True)[1].tolist()
-        return unusual(self.place_distances, [self.node_name(node) for node in first])
+        return self.remarks + unusual(self.place_distances, [self.node_name(node) for node in first])
 
     @property
     def size(self) -> int:

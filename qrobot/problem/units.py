@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_UNITS", "Quantity", "common_unit", "exact", "in_units"]
+__all__ = ["MAX_UNITS", "NUMBER", "Quantity", "common_unit", "exact", "in_units", "number_mend"]
 
 Quantity = float | int | str | Decimal | Fraction
 """What a weight or a capacity may be given as."""
@@ -33,6 +33,12 @@ MAX_DIGITS = 60
 """Most decimals of a number: far more than any scale shows."""
 
 _MEND = "use a plain decimal number"
+
+NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+"""A number in text: ASCII digits, a point, an exponent. Python reads more: ``1_000``, ``nan``."""
+
+_GROUPED = re.compile(r"([-+]?)([1-9][0-9]{0,2})((?:[.,][0-9]{3})+)")
+_SPACED = re.compile(r"[\s_'’]")
 
 
 def exact(value: Quantity, *, field: str) -> Fraction:
@@ -65,7 +71,37 @@ def exact(value: Quantity, *, field: str) -> Fraction:
     return Fraction(value)
 
 
+def number_mend(text: str, mark: str = ".") -> str:
+    """Return how a number should be written that is not plain, as a mend.
+
+    Parameters
+    ----------
+    text
+        A number with grouping marks, or with another decimal mark.
+    mark
+        The decimal mark where it stands.
+    """
+    bare = _SPACED.sub("", text)
+    if re.fullmatch(r"[-+]?[0-9]{1,30}", bare):
+        return f"write {bare}"
+    grouped = _GROUPED.fullmatch(bare)
+    if grouped and len(set(re.findall(r"[.,]", bare))) == 1:
+        digits = re.sub(r"[.,]", "", bare)
+        if len(grouped[3]) > 4:  # several groups: there is one way to read it
+            return f"write {digits}"
+        return f"write {digits}, or {grouped[1]}{grouped[2]}{mark}{grouped[3][1:]}"
+    parts = re.fullmatch(r"([-+]?[0-9][0-9.,]{0,30})[.,]([0-9]{1,30})", bare)
+    if parts and not re.search(r"[.,]{2}", bare):
+        whole = re.sub(r"[.,]", "", parts[1])
+        return f"write {whole}{mark}{parts[2]}"
+    return _MEND
+
+
 def _decimal(value: float | str | Decimal, field: str) -> Decimal:
+    if isinstance(value, str) and not NUMBER.fullmatch(value.strip()):
+        raise InputError(
+            f"{value.strip()!s:.40} is not a finite number", field=field, mend=number_mend(value)
+        )
     try:
         # It gives a float's shortest notation: the one that people wrote.
         number = Decimal(float.__repr__(value) if isinstance(value, float) else value)
@@ -73,10 +109,7 @@ def _decimal(value: float | str | Decimal, field: str) -> Decimal:
         number = Decimal("NaN")
     exponent = number.as_tuple().exponent
     if not isinstance(exponent, int):  # NaN and infinities have a letter there
-        mend = _MEND
-        if isinstance(value, str) and re.fullmatch(r"\s*-?\d{1,15},\d{1,15}\s*", value):
-            mend = f"write {value.strip().replace(',', '.')}: a point, no comma"
-        raise InputError(f"{value!s:.40} is not a finite number", field=field, mend=mend)
+        raise InputError(f"{value!s:.40} is not a finite number", field=field, mend=_MEND)
     if number and exponent < -MAX_DIGITS:  # 1e-999999999 would be a number of a billion digits
         raise InputError(
             f"{value!s:.40} has more than {MAX_DIGITS} decimals",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from qrobot.errors import InputError
 from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.names import first_invisible
 from qrobot.problem.warehouse import Warehouse
 
 __all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "some"]
@@ -17,6 +17,10 @@ MAX_ITEMS = 20_000
 MAX_STOPS = 2_500
 """More stops (places of each order) than this are refused: their distance matrix alone takes
 50 MB, and every solver keeps a few of its size (a Pi 4 may have 2 GB)."""
+
+
+MIN_SPEED, MAX_SPEED = 1e-6, 1e6
+"""Metres a second, bounded as lengths are, so that no driving time overflows."""
 
 
 def check_entities(
@@ -75,9 +79,10 @@ def _check_robots(robots: Sequence[Robot]) -> None:
                 field=f"robots[{i}].capacity",
                 mend="use a number above zero",
             )
-        if not (robot.speed > 0 and math.isfinite(robot.speed)):
+        if not MIN_SPEED <= robot.speed <= MAX_SPEED:  # NaN too
             raise InputError(
-                f"speed {robot.speed:g} of robot {robot.id!r} is not positive",
+                f"speed {robot.speed:g} of robot {robot.id!r} is not {MIN_SPEED:g} to "
+                f"{MAX_SPEED:g}",
                 field=f"robots[{i}].speed",
                 mend="use metres a second above zero",
             )
@@ -140,6 +145,12 @@ def _check_stops(items: Sequence[Item], owner: dict[str, str]) -> None:
 def _unique(ids: Sequence[str], what: str) -> None:
     seen: set[str] = set()
     for i, one in enumerate(ids):
+        if not one or (hidden := first_invisible(one)) is not None:
+            raise InputError(
+                "is empty" if not one else f"holds the invisible character {hidden}",
+                field=f"{what}[{i}].id",
+                mend="give a name" if not one else "remove it",
+            )
         if one in seen:
             raise InputError(
                 f"the id {one!r} is used twice",

@@ -73,7 +73,9 @@ class _Line:
         return int(number)
 
 
-def read_csv(path: StrPath, layout: StrPath | None = None) -> Instance:
+def read_csv(
+    path: StrPath, layout: StrPath | None = None, ignore_columns: Sequence[str] = ()
+) -> Instance:
     """Return the instance of CSV orders and their layout.
 
     Parameters
