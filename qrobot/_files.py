@@ -103,6 +103,8 @@ def _decoded(data: bytes, source: str, fallback: str | None) -> str:
                 f"is not UTF-8 text (byte {error.start})", source=source, mend="save it as UTF-8"
             ) from None
         text = data.decode(fallback)
+    # DOS ended its texts with ^Z, and some programs still do.
+    text = text.rstrip("\x1a") if text.endswith("\x1a") else text
     if not text.strip():
         raise InputError("is empty", source=source, mend="give a file with content")
     return text

@@ -262,7 +262,9 @@ class Instance:
         if not isinstance(self.warehouse, DistanceTable):
             return self.remarks  # metric by construction
         first = np.unique(self.place_of_node, return_index=True)[1].tolist()
-        return self.remarks + unusual(self.place_distances, [self.node_name(node) for node in first])
+        return self.remarks + unusual(
+            self.place_distances, [self.node_name(node) for node in first]
+        )
 
     @property
     def size(self) -> int:

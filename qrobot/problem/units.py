@@ -82,8 +82,8 @@ def number_mend(text: str, mark: str = ".") -> str:
         The decimal mark where it stands.
     """
     bare = _SPACED.sub("", text)
-    if re.fullmatch(r"[-+]?[0-9]{1,30}", bare):
-        return f"write {bare}"
+    if re.fullmatch(r"[-+]?[0-9]{1,30}" if mark == "," else NUMBER, bare):
+        return f"write {bare:.40}"
     grouped = _GROUPED.fullmatch(bare)
     if grouped and len(set(re.findall(r"[.,]", bare))) == 1:
         digits = re.sub(r"[.,]", "", bare)
@@ -93,7 +93,8 @@ def number_mend(text: str, mark: str = ".") -> str:
     parts = re.fullmatch(r"([-+]?[0-9][0-9.,]{0,30})[.,]([0-9]{1,30})", bare)
     if parts and not re.search(r"[.,]{2}", bare):
         whole = re.sub(r"[.,]", "", parts[1])
-        return f"write {whole}{mark}{parts[2]}"
+        hint = ": a point, no comma" if mark == "." and len(bare) > len(whole) else ""
+        return f"write {whole}{mark}{parts[2]}{hint}"
     return _MEND
 
 
@@ -134,10 +135,10 @@ def common_unit(weights: Sequence[Fraction], *, field: str) -> Fraction:
     above = math.gcd(*(int(w * below) for w in positive))
     unit = Fraction(above, below)
     if sum(positive) / unit > MAX_UNITS:
-        worst = max(positive, key=lambda w: w.denominator)
+        worst = max(range(len(weights)), key=lambda i: weights[i].denominator)
         raise InputError(
-            f"the weights have no common unit of useful size (one is {float(worst)!r})",
-            field=f"{field}[].weight",
+            f"the weights have no common unit of useful size (one is {float(weights[worst])!r})",
+            field=f"{field}[{worst}].weight",
             mend="round the weights up to fewer digits, for example to grams",
         )
     return unit

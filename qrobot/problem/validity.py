@@ -9,7 +9,7 @@ from qrobot.problem.entities import Item, Order, Robot
 from qrobot.problem.names import first_invisible
 from qrobot.problem.warehouse import Warehouse
 
-__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "some"]
+__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "check_robots", "some"]
 
 MAX_ITEMS = 20_000
 """More items than this are refused: plan them in waves."""
@@ -45,11 +45,8 @@ def check_entities(
         )
     _unique([i.id for i in items], "items")
     _unique([o.id for o in orders], "orders")
-    _unique([r.id for r in robots], "robots")
-    if not robots:
-        raise InputError("no robots", field="robots", mend="give at least one robot")
     _check_items(warehouse, items)
-    _check_robots(robots)
+    check_robots(robots)
     owner = _owners(items, orders)
     _check_stops(items, owner)
 
@@ -71,7 +68,17 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
             ) from None
 
 
-def _check_robots(robots: Sequence[Robot]) -> None:
+def check_robots(robots: Sequence[Robot]) -> None:
+    """Check a fleet.
+
+    Raises
+    ------
+    InputError
+        When there is no robot, two have one id, or a number is out of range.
+    """
+    _unique([r.id for r in robots], "robots")
+    if not robots:
+        raise InputError("no robots", field="robots", mend="give at least one robot")
     for i, robot in enumerate(robots):
         if robot.capacity <= 0:
             raise InputError(

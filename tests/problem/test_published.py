@@ -146,9 +146,7 @@ def test_an_asymmetric_matrix_whose_diagonal_is_no_way(tmp_path: Path) -> None:
         ("MAX_3D", 3, 6), ("ATT", 2, 3), ("GEO", 2, 944),
     ],
 )  # fmt: skip
-def test_one_distance_of_each_kind(
-    tmp_path: Path, kind: str, width: int, expected: float
-) -> None:
+def test_one_distance_of_each_kind(tmp_path: Path, kind: str, width: int, expected: float) -> None:
     """From (0, 0, 0) to (6, 6, 6): 8.485, 12, 6; 10.392, 18, 6; sqrt(7.2) = 2.68."""
     point = " 6" * width
     data = f"NODE_COORD_SECTION\n1{' 0' * width}\n2{point}\n3{point}"

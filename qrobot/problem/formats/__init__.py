@@ -86,7 +86,9 @@ def _read_file(
     if layout is not None and suffix != ".csv":
         raise InputError("a layout belongs to CSV orders", mend="leave it out, or give a .csv")
     if ignore_columns and suffix != ".csv":
-        raise InputError("columns belong to CSV orders", field="ignore_columns", mend="leave it out")
+        raise InputError(
+            "columns belong to CSV orders", field="ignore_columns", mend="leave it out"
+        )
     _check_rounding(rounding, suffix)
     if suffix == ".json":
         from qrobot.problem.formats.native import read_native

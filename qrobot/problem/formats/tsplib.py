@@ -46,23 +46,17 @@ class Section:
     rows: list[tuple[int, str]] = field(default_factory=list)
     """Number and text of each line."""
 
-    def error(self, problem: str, mend: str, row: int | None = None, word: int = 0) -> InputError:
-        """Return an error that names a word by line and column, or the whole section.
+    def where(self, row: int, word: int) -> str:
+        """Return line and column of a word: of which line of the section, and which there."""
+        line, text = self.rows[row]
+        starts = [found.start() for found in re.finditer(r"\S+", text)]
+        column = starts[min(word, len(starts) - 1)] + 1
+        return f"{self.name:.40}_SECTION, line {line}, column {column}"
 
-        Parameters
-        ----------
-        problem, mend
-            As of `InputError`.
-        row, word
-            Which line of the section, and which word there.
-        """
+    def error(self, problem: str, mend: str, row: int | None = None, word: int = 0) -> InputError:
+        """Return an error that names a word, as of `where`, or the section's own line."""
         where = f"{self.name:.40}_SECTION, line {self.line}"
-        if row is not None:
-            line, text = self.rows[row]
-            starts = [found.start() for found in re.finditer(r"\S+", text)]
-            column = starts[min(word, len(starts) - 1)] + 1
-            where = f"{self.name:.40}_SECTION, line {line}, column {column}"
-        return InputError(problem, field=where, mend=mend)
+        return InputError(problem, field=where if row is None else self.where(row, word), mend=mend)
 
     def error_at(self, number: int, problem: str, mend: str) -> InputError:
         """Return an error that names the number-th word of the section."""

@@ -33,7 +33,7 @@ from qrobot.problem import (
 )
 from qrobot.problem.checks import MAX_LENGTH
 from qrobot.problem.coarse import coarse
-from qrobot.problem.formats.places import Where, checked
+from qrobot.problem.formats.places import checked
 from qrobot.problem.formats.solutions import reference_beside, reference_in_comment
 from qrobot.problem.formats.tsplib import Tsplib, parse
 from qrobot.problem.formats.weights import (
@@ -143,12 +143,9 @@ def read_vrp(
 def _where(file: Tsplib, rows: list[int], clients: list[int], field: str) -> str:
     """Return the place in the file of what the domain calls ``items[3].weight``."""
     found = re.match(r"items\[(\d+)\]", field)
-    demand = file.sections["DEMAND"]
     if found is None:
-        is_weight = field.startswith("items")
-        return f"DEMAND_SECTION, line {demand.line}" if is_weight else field
-    line = demand.rows[rows[clients[int(found[1])]]][0]
-    return f"DEMAND_SECTION, line {line}"
+        return field
+    return file.sections["DEMAND"].where(rows[clients[int(found[1])]], 1)
 
 
 def _check_known(file: Tsplib) -> None:
@@ -165,9 +162,7 @@ def _check_known(file: Tsplib) -> None:
             )
     for section in file.sections.values():
         if section.name not in _SECTIONS:
-            raise section.error(
-                "is more than qRobot plans for", "give a CVRP with capacities only"
-            )
+            raise section.error("is more than qRobot plans for", "give a CVRP with capacities only")
     kind = (file.text("TYPE").upper().split() or ["CVRP"])[0]
     if kind not in ("CVRP", "ACVRP"):
         raise file.fields["TYPE"].error(f"{kind:.40} is not planned", "give a CVRP or an ACVRP")
@@ -236,9 +231,11 @@ def _depot(file: Tsplib, size: int) -> int:
     numbers = [] if section is None else section.stream().tolist()
     end = numbers.index(-1.0) if -1.0 in numbers else len(numbers)
     if section is None or not end:
-        raise InputError(
-            "names no depot", field="DEPOT_SECTION", mend="give one node, then -1"
-        ) if section is None else section.error("names no depot", "give one node, then -1")
+        raise (
+            InputError("names no depot", field="DEPOT_SECTION", mend="give one node, then -1")
+            if section is None
+            else section.error("names no depot", "give one node, then -1")
+        )
     if end > 1 or len(numbers) > end + 1:
         count = end if end > 1 else len(numbers) - 1
         raise section.error(f"{count} depots where one belongs", "give one node, then -1")
@@ -319,7 +316,9 @@ def _places(
         raise weights.error(f"stands beside EDGE_WEIGHT_TYPE {kind}", "keep one of them")
     if rounding is not None and kind not in METRICS:
         raise InputError(
-            f"EDGE_WEIGHT_TYPE {kind} leaves nothing to round", field="rounding", mend="leave it out"
+            f"EDGE_WEIGHT_TYPE {kind} leaves nothing to round",
+            field="rounding",
+            mend="leave it out",
         )
     positions = None
     if kind != "EXPLICIT" or "NODE_COORD" in file.sections:
@@ -353,9 +352,7 @@ def _rounding(file: Tsplib, kind: str, own: float | None, asked: str | None) -> 
     return "none"
 
 
-def _on_floor(
-    file: Tsplib, kind: str, depot: int, positions: Floats, asked: str | None
-) -> _Places:
+def _on_floor(file: Tsplib, kind: str, depot: int, positions: Floats, asked: str | None) -> _Places:
     whole = asked != "none"
     if kind in ("EUC_2D", "MAN_2D") and asked in (None, "none", "nearest"):
         x, y = positions[depot].tolist()

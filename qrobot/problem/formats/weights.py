@@ -11,7 +11,6 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.errors import InputError
 from qrobot.problem.checks import MAX_LENGTH
 from qrobot.problem.formats.tsplib import Section
 
