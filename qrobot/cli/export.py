@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import click
 
-from qrobot.cli.options import FILE, Robots
+from qrobot._json import json_text
+from qrobot.cli.options import FILE, Robots, ignore_columns, rounding
 
 __all__ = ["command"]
 
@@ -23,6 +22,8 @@ __all__ = ["command"]
     help="exact or paper.  [default: none in an LP (an inequality), else exact]",
 )
 @click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
+@ignore_columns
+@rounding
 @click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
 @click.option("--capacity", help="Another capacity of every robot.")
 @click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
@@ -33,6 +34,8 @@ def command(
     encoding: str | None,
     slack: str | None,
     layout: str | None,
+    ignore_columns: tuple[str, ...],
+    rounding: str | None,
     robots: int | str | None,
     capacity: str | None,
     split_orders: bool,
@@ -67,11 +70,17 @@ def command(
     format_of(output)
     check_outputs([output], [instance, *([layout] if layout else [])])
     question = read(
-        instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
+        instance,
+        layout=layout,
+        robots=robots,
+        capacity=capacity,
+        split_orders=split_orders,
+        rounding=rounding,
+        ignore_columns=ignore_columns,
     )
     report = {"path": output} | export_model(question, output, encoding, slack)
     if as_json:
-        click.echo(json.dumps(report, indent=1, ensure_ascii=False))
+        click.echo(json_text(report, indent=1, ensure_ascii=False))
         return
     held = f", {report['constraints']} constraints" if report["constraints"] else ""
     click.echo(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import os
 from typing import Any, cast
 
@@ -11,6 +10,7 @@ import dimod
 import numpy as np
 
 from qrobot._files import StrPath, write_text_atomic
+from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.models.model import build_model
 from qrobot.models.penalties import Encoding
@@ -87,7 +87,7 @@ def export_model(
         instance, cast("Encoding", encoding or "compact"), cast("Slack", slack or "exact")
     )
     if kind == "bqm":
-        text = json.dumps(model.bqm.to_serializable()) + "\n"
+        text = json_text(model.bqm.to_serializable()) + "\n"
     else:
         text = coordinates(model.bqm)
     write_text_atomic(path, text)

@@ -11,6 +11,7 @@ __all__ = [
     "check_index",
     "check_length",
     "check_reference",
+    "is_reference",
 ]
 
 MAX_LENGTH = 1e9
@@ -46,7 +47,19 @@ def check_coordinate(value: float, field: str) -> None:
     check_length(value, field, least=-MAX_LENGTH)
 
 
+MIN_REFERENCE, MAX_REFERENCE = 1e-9, 1e15
+"""Known least distances that a gap can be told against."""
+
+
+def is_reference(value: float) -> bool:
+    """Return whether a gap can be told against a known least distance."""
+    return MIN_REFERENCE <= value <= MAX_REFERENCE  # no NaN either
+
+
 def check_reference(value: float) -> None:
-    """Raise `InputError` when a known value is not one that a gap can be told against."""
-    if value != 0:  # nothing to collect, or all of it at the depot
-        check_length(value, "reference", least=1e-9, most=1e15)
+    """Raise `InputError` when a known least distance is of no use.
+
+    It may be 0, where all that is collected lies at the depot.
+    """
+    if value != 0:
+        check_length(value, "reference", least=MIN_REFERENCE, most=MAX_REFERENCE)

@@ -70,7 +70,9 @@ def sparse(draw: st.DrawFn) -> Instance:
 def test_every_answer_is_the_one_of_all_sequences(one: Instance) -> None:
     best = least(one)
     if best == INF:
-        with pytest.raises((InputError, InfeasibleError), match="no way leads|does not exist|load"):
+        with pytest.raises(
+            (InputError, InfeasibleError), match=r"no way leads|does not exist|load"
+        ):
             qrobot.solve(one, backend="exact", max_work=100)
         return
     for backend in ("auto", "exact"):

@@ -91,7 +91,7 @@ def _exact(value: Any) -> Fraction:
 
 
 def _matrix(value: Any) -> tuple[tuple[float, ...], ...]:
-    """Check millions of entries without a model each; ``null`` is no way; the diagonal is unused."""
+    """Check millions of entries without a model each; the diagonal may hold any number."""
     if not isinstance(value, list):
         raise refuse(f"{shown(value)} is not a list of rows", "give one list per row")
     rows = []

@@ -32,35 +32,35 @@ def _walk(text: str) -> Iterator[_Found]:
     """Yield every key and every value; of an object or list, its opening bracket."""
     path: list[Part | None] = []  # None: a key of this object is awaited
     for found in _TOKEN.finditer(text):
-        token = found[0]
-        if token in "}]":
+        word = found[0]
+        if word in "}]":
             if path:
                 path.pop()
-        elif token == ",":
+        elif word == ",":
             if path and isinstance(last := path[-1], int):
                 path[-1] = last + 1
             elif path:
                 path[-1] = None
-        elif token == ":":
+        elif word == ":":
             continue
-        elif path and path[-1] is None and token[0] == '"':
-            path[-1] = _unquoted(token)
-            yield _Found(_parts(path), found.start(), token, key=True)
+        elif path and path[-1] is None and word[0] == '"':
+            path[-1] = _unquoted(word)
+            yield _Found(_parts(path), found.start(), word, key=True)
         else:
-            yield _Found(_parts(path), found.start(), token)
-            if token in "{[":
-                path.append(None if token == "{" else 0)
+            yield _Found(_parts(path), found.start(), word)
+            if word in "{[":
+                path.append(None if word == "{" else 0)
 
 
 def _parts(path: list[Part | None]) -> tuple[Part, ...]:
     return tuple(part for part in path if part is not None)
 
 
-def _unquoted(token: str) -> str:
+def _unquoted(word: str) -> str:
     try:
-        return str(json.loads(token))
+        return str(json.loads(word))
     except ValueError:
-        return token
+        return word
 
 
 def _place(text: str, at: int) -> str:
@@ -91,9 +91,9 @@ def find_path(text: str, path: str) -> str | None:
     return _place(text, at) if best > 0 else None
 
 
-def find_token(text: str, token: str) -> str:
+def find_token(text: str, word: str) -> str:
     """Return line and column of the first number or word, such as ``NaN``, outside of texts."""
-    return next((_place(text, f.at) for f in _walk(text) if f.text == token), "")
+    return next((_place(text, f.at) for f in _walk(text) if f.text == word), "")
 
 
 def find_repeated(text: str, key: str) -> str:

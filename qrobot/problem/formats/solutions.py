@@ -6,12 +6,12 @@ not a finite number above zero is passed over, and a note says so.
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path
 
 from qrobot._files import StrPath, read_text
 from qrobot.errors import InputError
+from qrobot.problem.checks import is_reference
 from qrobot.problem.units import NUMBER
 
 __all__ = ["read_solution", "reference_beside", "reference_in_comment"]
@@ -66,11 +66,9 @@ def _solution(text: str) -> tuple[list[list[int]], float]:
 
 
 def _positive(text: str) -> float | None:
-    """Return a finite number above zero, None for anything else."""
-    if not NUMBER.fullmatch(text):
-        return None
-    value = float(text)
-    return value if 0 < value < math.inf else None
+    """Return a number that a gap can be told against, None for anything else."""
+    value = float(text) if NUMBER.fullmatch(text) else 0.0
+    return value if is_reference(value) else None
 
 
 def reference_in_comment(comment: str) -> tuple[float | None, tuple[str, ...]]:
