@@ -243,7 +243,7 @@ def without(section: str) -> str:
         ),
         (without("NODE_COORD"), "NODE_COORD_SECTION: is missing; add it; the file may be cut off"),
         (without("DEMAND"), "DEMAND_SECTION: is missing; add it; the file may be cut off"),
-        (without("DEPOT"), "DEPOT_SECTION: names no depot; give one node, then -1"),
+        (without("DEPOT"), "DEPOT_SECTION: is missing; give one node, then -1"),
         (GOOD.replace(" 1\n -1", " -1"), "DEPOT_SECTION: names no depot; give one node, then -1"),
         (GOOD.replace(" 1\n -1", " 1\n 2\n -1"), "DEPOT_SECTION: 2 depots where one belongs; give"),
         (GOOD.replace(" 1\n -1", " 9\n -1"), "DEPOT_SECTION: 9 is not a node; use 1 to 4"),

@@ -119,6 +119,44 @@ class Tsplib:
         """Return the value of a field, empty without one."""
         return self.fields[name].value if name in self.fields else ""
 
+    def nodes(self, name: str, size: int, width: int) -> tuple[list[list[str]], list[int]]:
+        """Return the words of each node of a section, and the row that each stands in.
+
+        Parameters
+        ----------
+        name
+            Of the section, which must be there.
+        size, width
+            Number of nodes, and of words for each; the first is its number.
+
+        Raises
+        ------
+        InputError
+            When nodes are missing or repeated, or a word is not a number.
+        """
+        section = self.sections.get(name)
+        if section is None:
+            raise InputError(
+                "is missing", field=f"{name}_SECTION", mend="add it; the file may be cut off"
+            )
+        words = section.table(width)
+        if len(words) != size:
+            raise section.error(
+                f"{len(words)} nodes where DIMENSION says {size}",
+                "correct DIMENSION, or complete the section (the file may be cut off)",
+            )
+        rows = [-1] * size
+        for row, (node, *_) in enumerate(words):
+            if not re.fullmatch(r"[0-9]{1,9}", node) or not 1 <= int(node) <= size:
+                raise section.error(f"{node:.40} is not a node", f"use 1 to {size}", row)
+            if (before := rows[int(node) - 1]) >= 0:
+                line = section.rows[before][0]
+                raise section.error(
+                    f"node {node} is in line {line} too", "number the nodes 1, 2, 3 ...", row
+                )
+            rows[int(node) - 1] = row
+        return [words[row] for row in rows], rows
+
 
 def parse(text: str) -> Tsplib:
     """Return the fields and sections of a text.
@@ -134,6 +172,9 @@ def parse(text: str) -> Tsplib:
     for number, line in lines:
         words = line.split(maxsplit=1)
         if not words or words[0].startswith("#"):
+            continue
+        if section is not None and words[0][0] in "0123456789+-.":
+            section.rows.append((number, line))
             continue
         bare = line.strip(" \t:").upper()
         if bare == "EOF":

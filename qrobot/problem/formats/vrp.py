@@ -8,48 +8,27 @@ of vehicles, which has no field of its own, is taken from the comment or the nam
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-
-import numpy as np
-import numpy.typing as npt
 
 from qrobot._files import StrPath, read_text
 from qrobot.errors import InputError
 from qrobot.problem import (
     MAX_ITEMS,
     MAX_STOPS,
-    DistanceTable,
     Instance,
     Item,
-    Node,
-    OpenFloor,
     Order,
-    Place,
-    Point,
     Robot,
-    Warehouse,
 )
-from qrobot.problem.checks import MAX_LENGTH
-from qrobot.problem.coarse import coarse
 from qrobot.problem.formats.places import checked
 from qrobot.problem.formats.solutions import reference_beside, reference_in_comment
 from qrobot.problem.formats.tsplib import Tsplib, parse
-from qrobot.problem.formats.weights import (
-    LAYOUTS,
-    METRICS,
-    ROUNDINGS,
-    geographical,
-    pseudo_euclidean,
-    square_matrix,
-)
+from qrobot.problem.formats.vrp_places import places_of
 from qrobot.problem.names import first_invisible
 from qrobot.problem.units import exact
 
 __all__ = ["read_vrp"]
-
-Floats = npt.NDArray[np.float64]
 
 _READ = {
     "NAME", "COMMENT", "TYPE", "DIMENSION", "CAPACITY", "VEHICLES", "EDGE_WEIGHT_TYPE",
@@ -114,7 +93,7 @@ def read_vrp(
         )
     own, notes = reference_in_comment(file.text("COMMENT"))
     file.notes.extend(notes)
-    places = _places(file, size, depot, own, rounding)
+    places = places_of(file, size, depot, own, rounding)
     clients = [node for node in range(size) if node != depot]
     items = tuple(
         Item(str(i + 1), demands[node], places.nodes[node]) for i, node in enumerate(clients)
@@ -182,34 +161,8 @@ def _whole(file: Tsplib, name: str, *, most: int) -> int:
     return int(field.value)
 
 
-def _table(file: Tsplib, name: str, size: int, width: int) -> tuple[list[list[str]], list[int]]:
-    """Return the words of each node of a section, and the row that it stands in."""
-    section = file.sections.get(name)
-    if section is None:
-        raise InputError(
-            "is missing", field=f"{name}_SECTION", mend="add it; the file may be cut off"
-        )
-    words = section.table(width)
-    if len(words) != size:
-        raise section.error(
-            f"{len(words)} nodes where DIMENSION says {size}",
-            "correct DIMENSION, or complete the section (the file may be cut off)",
-        )
-    rows = [-1] * size
-    for row, (node, *_) in enumerate(words):
-        if not re.fullmatch(r"[0-9]{1,9}", node) or not 1 <= int(node) <= size:
-            raise section.error(f"{node:.40} is not a node", f"use 1 to {size}", row)
-        if (before := rows[int(node) - 1]) >= 0:
-            line = section.rows[before][0]
-            raise section.error(
-                f"node {node} is in line {line} too", "number the nodes 1, 2, 3 ...", row
-            )
-        rows[int(node) - 1] = row
-    return [words[row] for row in rows], rows
-
-
 def _demands(file: Tsplib, size: int) -> tuple[list[Fraction], list[int]]:
-    words, rows = _table(file, "DEMAND", size, 2)
+    words, rows = file.nodes("DEMAND", size, 2)
     demands = []
     for (_, word), row in zip(words, rows, strict=True):
         try:
@@ -227,21 +180,21 @@ def _demands(file: Tsplib, size: int) -> tuple[list[Fraction], list[int]]:
 
 
 def _depot(file: Tsplib, size: int) -> int:
-    section = file.sections.get("DEPOT")
-    numbers = [] if section is None else section.stream().tolist()
-    end = numbers.index(-1.0) if -1.0 in numbers else len(numbers)
-    if section is None or not end:
-        raise (
-            InputError("names no depot", field="DEPOT_SECTION", mend="give one node, then -1")
-            if section is None
-            else section.error("names no depot", "give one node, then -1")
-        )
-    if end > 1 or len(numbers) > end + 1:
-        count = end if end > 1 else len(numbers) - 1
-        raise section.error(f"{count} depots where one belongs", "give one node, then -1")
-    if numbers[0] not in range(1, size + 1):
-        raise section.error_at(0, f"{numbers[0]:g} is not a node", f"use 1 to {size}")
-    return int(numbers[0]) - 1
+    mend = "give one node, then -1"
+    if "DEPOT" not in file.sections:
+        raise InputError("is missing", field="DEPOT_SECTION", mend=mend)
+    section = file.sections["DEPOT"]
+    numbers = section.stream().tolist()
+    depots = numbers[: numbers.index(-1.0)] if -1.0 in numbers else numbers
+    if not depots:
+        raise section.error("names no depot", mend)
+    if len(depots) > 1:
+        raise section.error(f"{len(depots)} depots where one belongs", mend)
+    if len(numbers) > 2:
+        raise section.error_at(2, "a number stands behind -1", mend)
+    if depots[0] not in range(1, size + 1):
+        raise section.error_at(0, f"{depots[0]:g} is not a node", f"use 1 to {size}")
+    return int(depots[0]) - 1
 
 
 def _capacity(file: Tsplib) -> Fraction:
@@ -287,119 +240,6 @@ def _reference(path: Path, file: Tsplib, own: float | None, whole: bool) -> floa
             "(rounding none leaves them as they are)"
         )
     return least
-
-
-@dataclass(frozen=True, slots=True)
-class _Places:
-    """Where things stand."""
-
-    warehouse: Warehouse
-    nodes: list[Place]
-    whole: bool
-    """Whether distances were rounded to whole numbers."""
-
-
-def _places(
-    file: Tsplib, size: int, depot: int, own: float | None, rounding: str | None
-) -> _Places:
-    kind = file.text("EDGE_WEIGHT_TYPE").upper()
-    weights = file.sections.get("EDGE_WEIGHT")
-    if not kind and weights is not None:
-        kind = "EXPLICIT"
-    if kind not in {*METRICS, "EXPLICIT", "GEO", "ATT"}:
-        mend = f"use EXPLICIT, GEO, ATT, {', '.join(METRICS)}"
-        field = file.fields.get("EDGE_WEIGHT_TYPE")
-        if field is None:
-            raise InputError("is missing", field="EDGE_WEIGHT_TYPE", mend=mend)
-        raise field.error(f"{kind:.40} is not known", mend)
-    if kind != "EXPLICIT" and weights is not None:
-        raise weights.error(f"stands beside EDGE_WEIGHT_TYPE {kind}", "keep one of them")
-    if rounding is not None and kind not in METRICS:
-        raise InputError(
-            f"EDGE_WEIGHT_TYPE {kind} leaves nothing to round",
-            field="rounding",
-            mend="leave it out",
-        )
-    positions = None
-    if kind != "EXPLICIT" or "NODE_COORD" in file.sections:
-        positions = _positions(file, size, kind)
-    if kind in METRICS:
-        assert positions is not None
-        return _on_floor(file, kind, depot, positions, _rounding(file, kind, own, rounding))
-    if kind == "EXPLICIT":
-        matrix = _explicit(file, size)
-    else:
-        assert positions is not None
-        matrix = (geographical if kind == "GEO" else pseudo_euclidean)(positions)
-    return _in_table(matrix, depot, positions, whole=kind != "EXPLICIT")
-
-
-def _in_table(matrix: Floats, depot: int, positions: Floats | None, *, whole: bool) -> _Places:
-    drawn = None if positions is None else tuple((x, y) for x, y in positions[:, :2].tolist())
-    table = DistanceTable(tuple(map(tuple, matrix.tolist())), depot, drawn)
-    return _Places(table, [Node(i) for i in range(len(matrix))], whole)
-
-
-def _rounding(file: Tsplib, kind: str, own: float | None, asked: str | None) -> str | None:
-    """Return the rounding that replaces the one of EDGE_WEIGHT_TYPE, None without one."""
-    if asked is not None or own is None or own.is_integer() or kind not in ("EUC_2D", "MAN_2D"):
-        return asked
-    # Sets whose values are fractions (CMT, Golden) were never rounded.
-    file.notes.append(
-        f"distances are not rounded, because the comment knows {own:g}, which is not whole "
-        "(rounding nearest rounds them)"
-    )
-    return "none"
-
-
-def _on_floor(file: Tsplib, kind: str, depot: int, positions: Floats, asked: str | None) -> _Places:
-    whole = asked != "none"
-    if kind in ("EUC_2D", "MAN_2D") and asked in (None, "none", "nearest"):
-        x, y = positions[depot].tolist()
-        floor = OpenFloor(
-            x,
-            y,
-            "euclidean" if kind == "EUC_2D" else "manhattan",
-            "nearest" if whole else "none",
-        )
-        return _Places(floor, [Point(x, y) for x, y in positions.tolist()], whole)
-    length, rounded = METRICS[kind]
-    lengths = length(positions[:, None, :] - positions[None, :, :])
-    matrix = (rounded if asked is None else ROUNDINGS[asked])(lengths)
-    file.notes.extend(coarse(matrix, lengths, kind))
-    return _in_table(matrix, depot, positions, whole=whole)
-
-
-def _positions(file: Tsplib, size: int, kind: str) -> Floats:
-    """Return the coordinates, shape (size, 2) or, for 3D kinds, (size, 3)."""
-    solid = kind.endswith("_3D") or (
-        kind == "EXPLICIT" and file.text("NODE_COORD_TYPE").upper() == "THREED_COORDS"
-    )
-    words, rows = _table(file, "NODE_COORD", size, 4 if solid else 3)
-    positions = np.array([line[1:] for line in words], dtype=np.float64)
-    bad = np.argwhere(~(np.abs(positions) <= MAX_LENGTH))
-    for node, axis in bad[:1].tolist():
-        raise file.sections["NODE_COORD"].error(
-            f"{words[node][axis + 1]:.40} is not a number up to {MAX_LENGTH:g}",
-            "correct it",
-            rows[node],
-            axis + 1,
-        )
-    return positions
-
-
-def _explicit(file: Tsplib, size: int) -> Floats:
-    section = file.sections.get("EDGE_WEIGHT")
-    if section is None:
-        raise InputError("is missing", field="EDGE_WEIGHT_SECTION", mend="add it")
-    field = file.fields.get("EDGE_WEIGHT_FORMAT")
-    mend = f"use one of {', '.join(LAYOUTS)}"
-    if field is None:
-        raise InputError("is missing", field="EDGE_WEIGHT_FORMAT", mend=mend)
-    layout = field.value.upper()
-    if layout not in LAYOUTS:
-        raise field.error(f"{layout:.40} is not known", mend)
-    return square_matrix(section, layout, size)
 
 
 def _name(file: Tsplib) -> str:
