@@ -8,6 +8,7 @@ the writer puts one record on a line, so that people can read and compare files.
 from __future__ import annotations
 
 import json
+import math
 from decimal import Decimal
 from typing import Any
 
@@ -120,5 +121,7 @@ def _flat(data: Any) -> str:
     if isinstance(data, Decimal):
         return format(data, "f")
     if isinstance(data, float):
+        if not math.isfinite(data):
+            raise ValueError(f"{data!r} is not a number of JSON")
         return str(int(data)) if data.is_integer() and abs(data) < 1e15 else repr(data)
     return json.dumps(data, ensure_ascii=False)
