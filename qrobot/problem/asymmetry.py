@@ -69,10 +69,13 @@ def unusual(d: npt.NDArray[np.float64], names: Sequence[str]) -> tuple[str, ...]
 
 def _triangle_gap(d: npt.NDArray[np.float64]) -> tuple[int, int, int] | None:
     """Return the worst (i, k, j) with d[i,k] + d[k,j] < d[i,j], or None."""
-    worst, where = 1e-9 * max(float(np.nanmax(d, initial=0.0)), 1.0), None
+    # A way that is missing is neither too long nor a short cut.
+    missing = np.isnan(d)
+    ways, legs = np.where(missing, -np.inf, d), np.where(missing, np.inf, d)
+    worst, where = 1e-9 * max(float(ways.max(initial=0.0)), 1.0), None
     # Every pivot of a large matrix would take minutes; a few hundred find any common fault.
     for k in range(0, len(d), 1 + len(d) // 400):
-        gap = np.nan_to_num(d - (d[:, k, None] + d[None, k, :]))
+        gap = ways - (legs[:, k, None] + legs[None, k, :])
         if (top := float(gap.max())) > worst:
             i, j = divmod(int(gap.argmax()), len(d))
             worst, where = top, (i, k, j)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,18 +15,18 @@ SMALL = 10.0
 """Largest distances below this lose a twentieth or more to whole numbers."""
 
 
-def coarse(rounded: Floats, lengths: Floats, rule: str) -> tuple[str, ...]:
+def coarse(rounded: Floats, lengths: Callable[[], Floats], rule: str) -> tuple[str, ...]:
     """Return a note when distances are so small that whole numbers hide most of them.
 
     Parameters
     ----------
     rounded, lengths
-        The distances with and without rounding.
+        The distances with rounding, and what gives them without.
     rule
         Which of TSPLIB's rules rounded them.
     """
     largest = float(rounded.max(initial=0.0))
-    if largest >= SMALL or np.array_equal(rounded, lengths):
+    if largest >= SMALL or np.array_equal(rounded, lengths()):
         return ()
     return (
         f"distances are rounded to whole numbers as {rule} demands; the largest is {largest:g} "

@@ -255,10 +255,12 @@ class Instance:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Facts about the input that its plans depend on, one sentence each."""
-        if isinstance(self.warehouse, OpenFloor) and self.warehouse.rounding == "nearest":
-            exact = dataclasses.replace(self.warehouse, rounding="none")
-            lengths = exact.distance_matrix(self.places)
-            return self.remarks + coarse(self.place_distances, lengths, "EUC_2D")
+        floor = self.warehouse
+        if isinstance(floor, OpenFloor) and floor.rounding == "nearest" and self.size:
+            exact = dataclasses.replace(floor, rounding="none")
+            rule = "EUC_2D" if floor.metric == "euclidean" else "MAN_2D"
+            lengths = lambda: exact.distance_matrix(self.places)  # noqa: E731
+            return self.remarks + coarse(self.place_distances, lengths, rule)
         if not isinstance(self.warehouse, DistanceTable):
             return self.remarks  # metric by construction
         first = np.unique(self.place_of_node, return_index=True)[1].tolist()

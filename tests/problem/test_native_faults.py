@@ -63,8 +63,16 @@ from qrobot.errors import InputError
         ("reference", -5, "reference: -5.0 is not right; needed: greater than or equal to 0"),
         ("reference", 1e-300, "reference: 1e-300 is not 1e-09 to 1e+15; correct it"),
         ("reference", 1e300, "reference: 1e+300 is not 1e-09 to 1e+15; correct it"),
-        ("items.0.weight", "1,234", 'items[0].weight: "1,234" is not a number; write 1234, or 1.234, w'),
-        ("items.0.weight", "2.5", 'items[0].weight: "2.5" is not a number; write 2.5, without quotes'),
+        (
+            "items.0.weight",
+            "1,234",
+            'items[0].weight: "1,234" is not a number; write 1234, or 1.234, w',
+        ),
+        (
+            "items.0.weight",
+            "2.5",
+            'items[0].weight: "2.5" is not a number; write 2.5, without quotes',
+        ),
         ("items", ..., "items: is missing (a document without items is a layout); add the items"),
         ("items", {}, "items: an object is not right; needed: a list"),
         ("items.0", 7, "items[0]: 7 is not right; needed: an object"),

@@ -85,9 +85,7 @@ CHANGING = [
 
 @pytest.mark.parametrize("field", CHANGING)
 @pytest.mark.parametrize("last", [False, True])
-def test_an_unknown_field_is_refused_with_its_line(
-    tmp_path: Path, field: str, last: bool
-) -> None:
+def test_an_unknown_field_is_refused_with_its_line(tmp_path: Path, field: str, last: bool) -> None:
     lines = PLAIN.removesuffix("EOF\n")
     text = f"{lines}{field} : 30\nEOF\n" if last else f"{field} : 30\n{PLAIN}"
     said = refusal(tmp_path, text)

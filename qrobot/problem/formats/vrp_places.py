@@ -126,7 +126,7 @@ def _on_floor(file: Tsplib, kind: str, depot: int, positions: Floats, asked: str
     length, rounded = METRICS[kind]
     lengths = length(positions[:, None, :] - positions[None, :, :])
     matrix = (rounded if asked is None else ROUNDINGS[asked])(lengths)
-    file.notes.extend(coarse(matrix, lengths, kind))
+    file.notes.extend(coarse(matrix, lambda: lengths, kind))
     return _in_table(matrix, depot, positions, whole=whole)
 
 
