@@ -99,10 +99,15 @@ def _decoded(data: bytes, source: str, fallback: str | None) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         if fallback is None:
+            line = data.count(b"\n", 0, error.start) + 1
             raise InputError(
-                f"is not UTF-8 text (byte {error.start})", source=source, mend="save it as UTF-8"
+                f"is not UTF-8 text (byte {error.start}, line {line})",
+                source=source,
+                mend="save it as UTF-8",
             ) from None
         text = data.decode(fallback)
+    # DOS ended its texts with ^Z, and some programs still do.
+    text = text.rstrip("\x1a") if text.endswith("\x1a") else text
     if not text.strip():
         raise InputError("is empty", source=source, mend="give a file with content")
     return text

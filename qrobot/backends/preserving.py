@@ -66,6 +66,7 @@ class _PreservingPlanner:
         """
         if not instance.size:
             return Search(routes=[], optimal=True)
+        from qrobot.backends.exact.packing import no_way
         from qrobot.backends.gates.feasible import feasible_set
         from qrobot.backends.gates.subspace import SubspaceQAOA
         from qrobot.backends.gates.tune import sharpen
@@ -74,6 +75,8 @@ class _PreservingPlanner:
             plans = feasible_set(instance)
         except InfeasibleError as error:
             return Search(infeasible=error.reason)
+        if plans.costs.min() >= instance.forbidden_price:
+            return Search(infeasible=no_way(instance))
         qaoa = SubspaceQAOA.of(plans, self.mixer)
         limit = EVALUATIONS if stop.max_work is None else max(1, stop.max_work // len(SHARES))
         found = sharpen(qaoa, LAYERS, evaluations=min(limit, EVALUATIONS), alphas=SHARES, stop=stop)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
-
 import click
+
+from qrobot._json import json_text
 
 __all__ = ["command"]
 
@@ -22,4 +22,4 @@ def command(as_json: bool) -> None:
     from qrobot.report.backends import backend_rows, backend_table
 
     rows = backend_rows()
-    click.echo(json.dumps(rows, indent=1) if as_json else backend_table(rows))
+    click.echo(json_text(rows, indent=1) if as_json else backend_table(rows))

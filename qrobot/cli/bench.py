@@ -6,7 +6,7 @@ import sys
 
 import click
 
-from qrobot.cli.options import FILE, Robots
+from qrobot.cli.options import FILE, Robots, rounding
 
 __all__ = ["command"]
 
@@ -19,6 +19,7 @@ __all__ = ["command"]
 @click.option("--seeds", type=int, default=1, show_default=True, help="Runs of each pair.")
 @click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
 @click.option("--robots-for", multiple=True, help="Exceptions, such as 'X-*=free'. Repeatable.")
+@rounding
 @click.option("--match", default="*", help="Only files like this, such as 'A-*'.")
 @click.option("--limit", type=int, help="At most so many instances.")
 @click.option(
@@ -43,6 +44,7 @@ def command(
     seeds: int,
     robots: int | str | None,
     robots_for: tuple[str, ...],
+    rounding: str | None,
     match: str,
     limit: int | None,
     json_path: str | None,
@@ -93,6 +95,7 @@ def command(
         max_work=max_work,
         robots=robots,
         robots_for=robots_for,
+        rounding=rounding,
     )
     most = "" if deadline is None else f", at most {len(todo) * deadline:.0f} s of searching"
     click.echo(f"{len(todo)} runs{most}", err=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import click
 
-from qrobot.cli.options import FILE, Robots
+from qrobot._json import json_text
+from qrobot.cli.options import FILE, Robots, ignore_columns, rounding
 
 __all__ = ["command"]
 
@@ -16,6 +16,8 @@ __all__ = ["command"]
 @click.argument("plan", type=FILE)
 @click.argument("instance", type=FILE)
 @click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
+@ignore_columns
+@rounding
 @click.option("--robots", type=Robots(), help="The number of robots that the plan was made with.")
 @click.option("--capacity", help="The capacity that the plan was made with.")
 @click.option("--split-orders", is_flag=True, help="The orders were allowed to be split.")
@@ -24,6 +26,8 @@ def command(
     plan: str,
     instance: str,
     layout: str | None,
+    ignore_columns: tuple[str, ...],
+    rounding: str | None,
     robots: int | str | None,
     capacity: str | None,
     split_orders: bool,
@@ -47,11 +51,17 @@ def command(
 
     answer = read_plan(plan)
     question = read(
-        instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
+        instance,
+        layout=layout,
+        robots=robots,
+        capacity=capacity,
+        split_orders=split_orders,
+        rounding=rounding,
+        ignore_columns=ignore_columns,
     )
     report = check(answer, question)
     if as_json:
-        click.echo(json.dumps(report.to_dict(), indent=1, ensure_ascii=False))
+        click.echo(json_text(report.to_dict(), indent=1, ensure_ascii=False))
     else:
         click.echo(str(report))
     sys.exit(0 if report.ok else 1)

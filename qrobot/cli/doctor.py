@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import click
+
+from qrobot._json import json_text
 
 __all__ = ["command"]
 
@@ -27,6 +28,6 @@ def command(as_json: bool) -> None:
     from qrobot.remote.redaction import redact
 
     data = inventory()
-    text = json.dumps(data, indent=1) if as_json else inventory_text(data)
+    text = json_text(data, indent=1) if as_json else inventory_text(data)
     click.echo(redact(text))
     sys.exit(1 if data["problems"] else 0)

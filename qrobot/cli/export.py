@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, Robots
+from qrobot._json import json_text
+from qrobot.cli.options import FILE, Robots, ignore_columns, rounding
 
 __all__ = ["command"]
 
@@ -45,6 +45,8 @@ __all__ = ["command"]
 )
 @click.option("--layers", type=int, default=1, show_default=True, help="Of the circuit.")
 @click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
+@ignore_columns
+@rounding
 @click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
 @click.option("--capacity", help="Another capacity of every robot.")
 @click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
@@ -59,6 +61,8 @@ def command(
     mixer: str,
     layers: int,
     layout: str | None,
+    ignore_columns: tuple[str, ...],
+    rounding: str | None,
     robots: int | str | None,
     capacity: str | None,
     split_orders: bool,
@@ -100,7 +104,13 @@ def command(
         format_of(output)
     check_outputs(outputs, [instance, *([layout] if layout else [])])
     question = read(
-        instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
+        instance,
+        layout=layout,
+        robots=robots,
+        capacity=capacity,
+        split_orders=split_orders,
+        rounding=rounding,
+        ignore_columns=ignore_columns,
     )
     report: dict[str, Any] = {}
     if output is not None:
@@ -112,7 +122,7 @@ def command(
 
         report["circuit"] = {"path": circuit} | export_circuit(question, circuit, mixer, layers)
     if as_json:
-        click.echo(json.dumps(report, indent=1, ensure_ascii=False))
+        click.echo(json_text(report, indent=1, ensure_ascii=False))
         return
     for line in _lines(report):
         click.echo(line)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 
 import click
 
+from qrobot._json import json_text
 from qrobot.cli.options import FILE
 from qrobot.cli.streams import say
 
@@ -135,7 +135,7 @@ def seed_(
             "instance_id": written.instance_id,
             "changed": [str(path) for path in written.changed],
         }
-        say(json.dumps(report, indent=1))
+        say(json_text(report, indent=1))
         return
     for path in written.files:
         say(f"{'written' if path in written.changed else 'unchanged'}: {path}")

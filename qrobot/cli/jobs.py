@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
+from qrobot._json import json_text
 from qrobot.cli.options import FILE
 
 __all__ = ["command"]
@@ -45,7 +45,7 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
     for trouble in troubles:
         click.echo(f"not refreshed: {trouble}", err=True)
     if as_json:
-        click.echo(json.dumps([job.to_dict() for job in jobs], indent=1))
+        click.echo(json_text([job.to_dict() for job in jobs], indent=1))
     else:
         click.echo(jobs_table(jobs))
 
@@ -77,8 +77,8 @@ def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> Non
             result = collect(job, store)
             result.save(plan)
     if output:
-        write_text_atomic(output, json.dumps(samples.to_serializable()) + "\n")
-    click.echo(json.dumps(report, indent=1) if as_json else samples_text(report))
+        write_text_atomic(output, json_text(samples.to_serializable()) + "\n")
+    click.echo(json_text(report, indent=1) if as_json else samples_text(report))
     if plan and not as_json:
         click.echo(result.summary())
     for path in (output, plan):

@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import click
 
 from qrobot.errors import InputError
 
-__all__ = ["FILE", "Robots", "Setting", "seconds"]
+__all__ = ["FILE", "Robots", "Setting", "ignore_columns", "rounding", "seconds"]
 
 FILE = click.Path(readable=False)
 """A path; who may not read it is told by whoever reads, with the mend."""
+
+
+rounding = click.option("--rounding", help="Of a .vrp file's distances: none, nearest, up or down.")
+
+
+def _names(_ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(name.strip() for text in value for name in text.split(",") if name.strip())
+
+
+ignore_columns = click.option(
+    "--ignore-columns",
+    multiple=True,
+    callback=_names,
+    help="Columns of CSV orders that are not ours, with commas.",
+)
 
 
 class Robots(click.ParamType[int | str]):
@@ -26,14 +42,13 @@ class Robots(click.ParamType[int | str]):
         """Return the number or ``free``."""
         if value == "free":
             return "free"
-        try:
+        if isinstance(value, int) or re.fullmatch(r"[-+]?[0-9]{1,12}", value):
             return int(value)
-        except ValueError:
-            raise InputError(
-                f"{value!r} is no number of robots",
-                field="--robots",
-                mend="give 1 or more, or 'free'",
-            ) from None
+        raise InputError(
+            f"{value!r:.40} is not a number of robots",
+            field="--robots",
+            mend="give 1 or more, or 'free'",
+        )
 
 
 OWN_FLAGS = {

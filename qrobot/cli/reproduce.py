@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from qrobot._json import json_text
 from qrobot.cli.options import FILE
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def command(
         )
     if docs and not report["interrupted"]:
         fill_page(docs, output)
-    click.echo(json.dumps(report, indent=1) if as_json else summary(report, output))
+    click.echo(json_text(report, indent=1) if as_json else summary(report, output))
     if report["interrupted"]:
         click.echo(f"interrupted: {len(report['lines'])} lines are kept in {output}", err=True)
         sys.exit(130)

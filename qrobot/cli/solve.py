@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, Robots, Setting
+from qrobot._json import json_text
+from qrobot.cli.options import FILE, Robots, Setting, ignore_columns, rounding
 
 __all__ = ["command"]
 
@@ -23,6 +23,8 @@ __all__ = ["command"]
 @click.option("--capacity", help="Another capacity of every robot.")
 @click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
 @click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
+@ignore_columns
+@rounding
 @click.option("--encoding", help="Sampler: full, reduced or compact.")
 @click.option("--slack", help="Sampler: exact or paper.")
 @click.option("--reads", type=int, help="Sampler: number of reads.")
@@ -61,6 +63,8 @@ def command(
     capacity: str | None,
     split_orders: bool,
     layout: str | None,
+    ignore_columns: tuple[str, ...],
+    rounding: str | None,
     encoding: str | None,
     slack: str | None,
     reads: int | None,
@@ -118,7 +122,13 @@ def command(
     options = {name: value for name, value in options.items() if value is not None} | dict(settings)
     with stop_on_signals() as stop, progress_line(quiet or as_json) as line:
         question = read(
-            instance, layout=layout, robots=robots, capacity=capacity, split_orders=split_orders
+            instance,
+            layout=layout,
+            robots=robots,
+            capacity=capacity,
+            split_orders=split_orders,
+            rounding=rounding,
+            ignore_columns=ignore_columns,
         )
         if dry_run or no_wait:
             useless = {
@@ -160,7 +170,7 @@ def command(
     except QRobotError as error:
         trouble = error
     if as_json:
-        click.echo(json.dumps(result.to_dict(), indent=1, ensure_ascii=False))
+        click.echo(json_text(result.to_dict(), indent=1, ensure_ascii=False))
     elif not quiet:
         from qrobot.report import table
 
@@ -207,4 +217,4 @@ def _only(
             f"job {plain['id']} is {plain['state']}; "
             f"'qrobot jobs fetch {plain['id']} --plan plan.json' makes a plan of it"
         )
-    click.echo(json.dumps(plain, indent=1) if as_json else text)
+    click.echo(json_text(plain, indent=1) if as_json else text)

@@ -5,11 +5,11 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from importlib import resources
 from typing import Any
 
+from qrobot._json import json_text
 from qrobot.health.model import SCHEMA, Report
 
 __all__ = ["json_schema", "schema_text"]
@@ -57,4 +57,4 @@ def json_schema() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(json.dumps(json_schema(), indent=1) + "\n")
+    sys.stdout.write(json_text(json_schema(), indent=1) + "\n")

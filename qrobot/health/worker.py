@@ -7,7 +7,6 @@ the runner knows how far a process came that is no more.
 from __future__ import annotations
 
 import importlib
-import json
 import os
 import resource
 import signal
@@ -17,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from qrobot._json import json_text
 from qrobot.health.wheel import unfit
 
 __all__ = ["main"]
@@ -30,7 +30,7 @@ def main() -> None:
     module, pipe = sys.argv[1], int(sys.argv[2])
 
     def tell(**data: Any) -> None:
-        os.write(pipe, json.dumps(data).encode() + b"\n")
+        os.write(pipe, json_text(data).encode() + b"\n")
 
     _behave()
     try:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import os
 from collections.abc import Mapping
 from typing import Any, cast
@@ -12,6 +11,7 @@ import dimod
 import numpy as np
 
 from qrobot._files import StrPath, write_bytes_atomic, write_text_atomic
+from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.models.model import build_model
 from qrobot.models.penalties import Encoding, Penalties
@@ -98,7 +98,7 @@ def export_model(
         penalties=penalties,
     )
     if kind == "bqm":
-        write_text_atomic(path, json.dumps(model.bqm.to_serializable(), allow_nan=False) + "\n")
+        write_text_atomic(path, json_text(model.bqm.to_serializable()) + "\n")
     elif kind == "coo":
         write_text_atomic(path, coordinates(model.bqm))
     else:

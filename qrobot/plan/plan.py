@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
+from qrobot.problem.names import canonical
 
 __all__ = ["PLAN_SCHEMA", "Plan", "Trip"]
 
 PLAN_SCHEMA = "qrobot.plan/1"
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,49 +171,85 @@ class Plan:
                 field="schema",
                 mend=f"this version reads {PLAN_SCHEMA!r}",
             )
-        path = ""
-        try:
-            trips = []
-            for i, t in enumerate(data["trips"]):
-                path = f"trips[{i}]"
-                trips.append(
-                    Trip(
-                        robot=_text(t["robot"]),
-                        orders=tuple(_text(o) for o in t["orders"]),
-                        stops=tuple(_text(s) for s in t["stops"]),
-                        distance=_number(t["distance"]),
-                        load=_number(t["load"]),
-                        seconds=_number(t.get("seconds", 0.0)),
-                    )
+        top = _Fields(data, "", source)
+        trips = []
+        for i, one in enumerate(top.take("trips", _list)):
+            trip = _Fields(one, f"trips[{i}]", source)
+            trips.append(
+                Trip(
+                    robot=trip.take("robot", _text),
+                    orders=trip.take("orders", _texts),
+                    stops=trip.take("stops", _texts),
+                    distance=trip.take("distance", _number),
+                    load=trip.take("load", _number),
+                    seconds=trip.take("seconds", _number, 0.0),
                 )
-            path = ""
-            return cls(
-                trips=tuple(trips),
-                distance=_number(data["distance"]),
-                instance=_text(data.get("instance", "instance")),
-                split=bool(data.get("split_orders", False)),
             )
-        except KeyError as error:
-            field = f"{path}.{error.args[0]}" if path else str(error.args[0])
-            raise InputError(
-                "is missing", source=source, field=field, mend="give a plan that qrobot wrote"
-            ) from None
+        return cls(
+            trips=tuple(trips),
+            distance=top.take("distance", _number),
+            instance=top.take("instance", _text, "instance"),
+            split=top.take("split_orders", _flag, False),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Fields:
+    """An object of a plan's data, and the path to it."""
+
+    data: Any
+    path: str
+    source: str | None
+
+    def take(self, name: str, convert: Callable[[Any], _T], default: _T | None = None) -> _T:
+        """Return a field, converted; errors name its path."""
+        if not isinstance(self.data, dict):
+            raise self._error("is malformed (not an object)", self.path)
+        field = f"{self.path}.{name}" if self.path else name
+        if name not in self.data:
+            if default is None:
+                raise self._error("is missing", field)
+            return default
+        try:
+            return convert(self.data[name])
         except (TypeError, ValueError) as error:
-            raise InputError(
-                f"is malformed ({error})",
-                source=source,
-                field=path or "trips",
-                mend="give a plan that qrobot wrote",
-            ) from None
+            raise self._error(f"is malformed ({error})", field) from None
+
+    def _error(self, problem: str, field: str) -> InputError:
+        return InputError(
+            problem, source=self.source, field=field, mend="give a plan that qrobot wrote"
+        )
 
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise TypeError(f"{value!r} is not text")
+        raise TypeError(f"{value!r:.40} is not text")
+    return canonical(value)
+
+
+def _list(value: Any) -> list[Any]:
+    if not isinstance(value, list):
+        raise TypeError(f"{value!r:.40} is not a list")
+    return value
+
+
+def _texts(value: Any) -> tuple[str, ...]:
+    return tuple(map(_text, _list(value)))
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError(f"{value!r:.40} is not true or false")
     return value
 
 
 def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | Fraction):
-        raise TypeError(f"{value!r} is not a number")
-    return float(value)
+    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | Fraction):
+        raise TypeError(f"{value!r:.40} is not a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError("a number is not finite, or too large")
+    return number

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from qrobot._files import write_text_atomic
+from qrobot._json import json_text
 from qrobot.plan import Plan
 from qrobot.problem import Instance
 
@@ -255,7 +255,7 @@ class Result:
         InputError
             When the file cannot be written.
         """
-        write_text_atomic(path, json.dumps(self.to_dict(), indent=1, ensure_ascii=False) + "\n")
+        write_text_atomic(path, json_text(self.to_dict(), indent=1, ensure_ascii=False) + "\n")
 
 
 def _optimal(share: float | None) -> str:

@@ -5,12 +5,12 @@ Only ever started by `Crew`, over pipes that nobody else can reach.
 
 from __future__ import annotations
 
-import json
 import pickle
 import sys
 import threading
 from collections.abc import Sequence
 
+from qrobot._json import json_text
 from qrobot.backends import Planner, Stop, get
 
 __all__ = ["main"]
@@ -29,7 +29,7 @@ def main() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
     def tell(routes: Sequence[Sequence[int]], _cost: float) -> None:
-        sys.stdout.write(json.dumps([list(map(int, route)) for route in routes]) + "\n")
+        sys.stdout.write(json_text([list(map(int, route)) for route in routes]) + "\n")
         sys.stdout.flush()
 
     planner = get(backend)

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_LENGTH", "check_coordinate", "check_count", "check_index", "check_length"]
+__all__ = [
+    "MAX_LENGTH",
+    "check_coordinate",
+    "check_count",
+    "check_index",
+    "check_length",
+    "check_reference",
+    "is_reference",
+]
 
 MAX_LENGTH = 1e9
 """No length or coordinate is larger, so that no sum of them overflows or loses a metre."""
@@ -37,3 +45,21 @@ def check_length(value: float, field: str, *, least: float = 0.0, most: float = 
 def check_coordinate(value: float, field: str) -> None:
     """Raise `InputError` when a coordinate, metres, is not finite or huge."""
     check_length(value, field, least=-MAX_LENGTH)
+
+
+MIN_REFERENCE, MAX_REFERENCE = 1e-9, 1e15
+"""Known least distances that a gap can be told against."""
+
+
+def is_reference(value: float) -> bool:
+    """Return whether a gap can be told against a known least distance."""
+    return MIN_REFERENCE <= value <= MAX_REFERENCE  # no NaN either
+
+
+def check_reference(value: float) -> None:
+    """Raise `InputError` when a known least distance is of no use.
+
+    It may be 0, where all that is collected lies at the depot.
+    """
+    if value != 0:
+        check_length(value, "reference", least=MIN_REFERENCE, most=MAX_REFERENCE)

@@ -18,7 +18,10 @@ import numpy.typing as npt
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_UNITS", "common_unit", "exact", "in_units"]
+__all__ = ["MAX_UNITS", "NUMBER", "Quantity", "common_unit", "exact", "in_units", "number_mend"]
+
+Quantity = float | int | str | Decimal | Fraction
+"""What a weight or a capacity may be given as."""
 
 MAX_UNITS = 2**40
 """Largest total weight in units: beyond it the mend is to round the weights."""
@@ -31,8 +34,14 @@ MAX_DIGITS = 60
 
 _MEND = "use a plain decimal number"
 
+NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+"""A number in text: ASCII digits, a point, an exponent. Python reads more: ``1_000``, ``nan``."""
 
-def exact(value: float | int | str | Decimal | Fraction, *, field: str) -> Fraction:
+_GROUPED = re.compile(r"([-+]?)([1-9][0-9]{0,2})((?:[.,][0-9]{3})+)")
+_SPACED = re.compile(r"[\s_'’]")
+
+
+def exact(value: Quantity, *, field: str) -> Fraction:
     """Return a number as the exact fraction that its decimal notation says.
 
     Parameters
@@ -62,7 +71,38 @@ def exact(value: float | int | str | Decimal | Fraction, *, field: str) -> Fract
     return Fraction(value)
 
 
+def number_mend(text: str, mark: str = ".") -> str:
+    """Return how a number should be written that is not plain, as a mend.
+
+    Parameters
+    ----------
+    text
+        A number with grouping marks, or with another decimal mark.
+    mark
+        The decimal mark where it stands.
+    """
+    bare = _SPACED.sub("", text)
+    if re.fullmatch(r"[-+]?[0-9]{1,30}" if mark == "," else NUMBER, bare):
+        return f"write {bare:.40}"
+    grouped = _GROUPED.fullmatch(bare)
+    if grouped and len(set(re.findall(r"[.,]", bare))) == 1:
+        digits = re.sub(r"[.,]", "", bare)
+        if len(grouped[3]) > 4:  # several groups: there is one way to read it
+            return f"write {digits}"
+        return f"write {digits}, or {grouped[1]}{grouped[2]}{mark}{grouped[3][1:]}"
+    parts = re.fullmatch(r"([-+]?[0-9][0-9.,]{0,30})[.,]([0-9]{1,30})", bare)
+    if parts and not re.search(r"[.,]{2}", bare):
+        whole = re.sub(r"[.,]", "", parts[1])
+        hint = ": a point, no comma" if mark == "." and len(bare) > len(whole) else ""
+        return f"write {whole}{mark}{parts[2]}{hint}"
+    return _MEND
+
+
 def _decimal(value: float | str | Decimal, field: str) -> Decimal:
+    if isinstance(value, str) and not NUMBER.fullmatch(value.strip()):
+        raise InputError(
+            f"{value.strip()!s:.40} is not a finite number", field=field, mend=number_mend(value)
+        )
     try:
         # It gives a float's shortest notation: the one that people wrote.
         number = Decimal(float.__repr__(value) if isinstance(value, float) else value)
@@ -70,10 +110,7 @@ def _decimal(value: float | str | Decimal, field: str) -> Decimal:
         number = Decimal("NaN")
     exponent = number.as_tuple().exponent
     if not isinstance(exponent, int):  # NaN and infinities have a letter there
-        mend = _MEND
-        if isinstance(value, str) and re.fullmatch(r"\s*-?\d{1,15},\d{1,15}\s*", value):
-            mend = f"write {value.strip().replace(',', '.')}: a point, no comma"
-        raise InputError(f"{value!s:.40} is not a finite number", field=field, mend=mend)
+        raise InputError(f"{value!s:.40} is not a finite number", field=field, mend=_MEND)
     if number and exponent < -MAX_DIGITS:  # 1e-999999999 would be a number of a billion digits
         raise InputError(
             f"{value!s:.40} has more than {MAX_DIGITS} decimals",
@@ -98,10 +135,10 @@ def common_unit(weights: Sequence[Fraction], *, field: str) -> Fraction:
     above = math.gcd(*(int(w * below) for w in positive))
     unit = Fraction(above, below)
     if sum(positive) / unit > MAX_UNITS:
-        worst = max(positive, key=lambda w: w.denominator)
+        worst = max(range(len(weights)), key=lambda i: weights[i].denominator)
         raise InputError(
-            f"the weights have no common unit of useful size (one is {float(worst)!r})",
-            field=f"{field}[].weight",
+            f"the weights have no common unit of useful size (one is {float(weights[worst])!r})",
+            field=f"{field}[{worst}].weight",
             mend="round the weights up to fewer digits, for example to grams",
         )
     return unit

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from qrobot.errors import InputError
 from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.names import first_invisible
 from qrobot.problem.warehouse import Warehouse
 
-__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "some"]
+__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "check_robots", "some"]
 
 MAX_ITEMS = 20_000
 """More items than this are refused: plan them in waves."""
@@ -17,6 +17,10 @@ MAX_ITEMS = 20_000
 MAX_STOPS = 2_500
 """More stops (places of each order) than this are refused: their distance matrix alone takes
 50 MB, and every solver keeps a few of its size (a Pi 4 may have 2 GB)."""
+
+
+MIN_SPEED, MAX_SPEED = 1e-6, 1e6
+"""Metres a second, bounded as lengths are, so that no driving time overflows."""
 
 
 def check_entities(
@@ -41,11 +45,8 @@ def check_entities(
         )
     _unique([i.id for i in items], "items")
     _unique([o.id for o in orders], "orders")
-    _unique([r.id for r in robots], "robots")
-    if not robots:
-        raise InputError("no robots", field="robots", mend="give at least one robot")
     _check_items(warehouse, items)
-    _check_robots(robots)
+    check_robots(robots)
     owner = _owners(items, orders)
     _check_stops(items, owner)
 
@@ -67,7 +68,17 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
             ) from None
 
 
-def _check_robots(robots: Sequence[Robot]) -> None:
+def check_robots(robots: Sequence[Robot]) -> None:
+    """Check a fleet.
+
+    Raises
+    ------
+    InputError
+        When there is no robot, two have one id, or a number is out of range.
+    """
+    _unique([r.id for r in robots], "robots")
+    if not robots:
+        raise InputError("no robots", field="robots", mend="give at least one robot")
     for i, robot in enumerate(robots):
         if robot.capacity <= 0:
             raise InputError(
@@ -75,9 +86,10 @@ def _check_robots(robots: Sequence[Robot]) -> None:
                 field=f"robots[{i}].capacity",
                 mend="use a number above zero",
             )
-        if not (robot.speed > 0 and math.isfinite(robot.speed)):
+        if not MIN_SPEED <= robot.speed <= MAX_SPEED:  # NaN too
             raise InputError(
-                f"speed {robot.speed:g} of robot {robot.id!r} is not positive",
+                f"speed {robot.speed:g} of robot {robot.id!r} is not {MIN_SPEED:g} to "
+                f"{MAX_SPEED:g}",
                 field=f"robots[{i}].speed",
                 mend="use metres a second above zero",
             )
@@ -140,6 +152,12 @@ def _check_stops(items: Sequence[Item], owner: dict[str, str]) -> None:
 def _unique(ids: Sequence[str], what: str) -> None:
     seen: set[str] = set()
     for i, one in enumerate(ids):
+        if not one or (hidden := first_invisible(one)) is not None:
+            raise InputError(
+                "is empty" if not one else f"holds the invisible character {hidden}",
+                field=f"{what}[{i}].id",
+                mend="give a name" if not one else "remove it",
+            )
         if one in seen:
             raise InputError(
                 f"the id {one!r} is used twice",

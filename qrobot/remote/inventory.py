@@ -19,7 +19,6 @@ __all__ = ["BASE", "EXTRAS", "inventory", "inventory_text"]
 BASE = (
     "click", "dimod", "dwave-neal", "dwave-samplers", "numpy", "prometheus-client",
     "psutil", "pydantic",
-    "vrplib",
 )  # fmt: skip
 """Distributions that every installation has."""
 

@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.remote.job import ENDED, STATES, Estimate, RemoteJob
 from qrobot.remote.redaction import redact, redact_data
@@ -167,7 +168,7 @@ class JobStore:
         """Keep the samples of a job, when they are not too many."""
         plain = samples.to_serializable()
         plain["info"] = redact_data(plain["info"])
-        data = zlib.compress(json.dumps(plain).encode(), 6)
+        data = zlib.compress(json_text(plain).encode(), 6)
         if len(data) > LARGEST_ANSWER:
             return
         with self._translated():
@@ -247,8 +248,8 @@ def _row(job: RemoteJob) -> tuple[Any, ...]:
     return (
         job.id, redact(job.remote_id, guess=False), job.backend,
         redact(job.device, guess=False), job.state, job.submitted,
-        job.variables, job.model, json.dumps(_context(job)), json.dumps(job.timings),
-        json.dumps(redact_data(job.estimate.to_dict())), redact(job.problem),
+        job.variables, job.model, json_text(_context(job)), json_text(job.timings),
+        json_text(redact_data(job.estimate.to_dict())), redact(job.problem),
     )  # fmt: skip
 
 

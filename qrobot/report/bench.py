@@ -15,8 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from qrobot._children import import_path
-from qrobot._files import write_text_atomic
+from qrobot._files import read_text, write_text_atomic
+from qrobot._json import json_text
 from qrobot.errors import InputError
+from qrobot.problem.checks import is_reference
+from qrobot.problem.formats.jsontext import loads
 from qrobot.report.machine import machine
 
 __all__ = ["BENCH_SCHEMA", "BenchRow", "Task", "find_instances", "run_bench", "tasks"]
@@ -38,6 +41,7 @@ class Task:
     max_work: int | None = None
     robots: int | str | None = None
     reference: float | None = None
+    rounding: str | None = None
 
 
 @dataclass(slots=True)
@@ -129,20 +133,26 @@ def _is_answer(path: Path) -> bool:
 
 @lru_cache(maxsize=64)
 def references(folder: Path) -> dict[str, float]:
-    """Return the values of a folder's ``index.json`` by file name, when there is one."""
+    """Return the values of a folder's ``index.json`` by file name, when there is one.
+
+    Only numbers that a gap can be told against: what is 0, negative or huge is left out.
+    """
     index = folder / "index.json"
     if not index.is_file():
         return {}
     try:
-        entries = json.loads(index.read_text(encoding="utf-8"))
+        entries = loads(read_text(index))
         known = [e for e in entries if e.get("value") is not None]
-        return {Path(e["file"]).name: float(e["value"]) for e in known}
-    except (ValueError, TypeError, KeyError, AttributeError, OSError) as error:
+        values = {Path(e["file"]).name: float(e["value"]) for e in known}
+    except InputError as error:
+        raise error.in_file(os.fspath(index)) from None
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
         raise InputError(
             f"cannot be read ({type(error).__name__}: {error})",
             source=os.fspath(index),
             mend="give a list of objects with file and value, or remove it",
         ) from None
+    return {name: value for name, value in values.items() if is_reference(value)}
 
 
 def tasks(
@@ -154,6 +164,7 @@ def tasks(
     max_work: int | None = None,
     robots: int | str | None = None,
     robots_for: Sequence[str] = (),
+    rounding: str | None = None,
 ) -> list[Task]:
     """Return every run: instances x backends x seeds.
 
@@ -167,14 +178,17 @@ def tasks(
         Another number of robots, or ``free``, for all instances.
     robots_for
         Exceptions as ``PATTERN=N`` or ``PATTERN=free``; the first that matches counts.
+    rounding
+        Of the distances of the ``.vrp`` files, as of `read`.
     """
     rules = [_rule(text) for text in robots_for]
     found = []
     for path in paths:
         own = next((n for pattern, n in rules if fnmatch.fnmatch(path.name, pattern)), robots)
         known = references(path.parent).get(path.name)
+        rule = rounding if path.suffix.lower() == ".vrp" else None
         found += [
-            Task(os.fspath(path), backend, seed, deadline, max_work, own, known)
+            Task(os.fspath(path), backend, seed, deadline, max_work, own, known, rule)
             for backend in backends
             for seed in range(seeds)
         ]
@@ -227,7 +241,7 @@ def run_bench(
         for row in _rows(todo):
             report["rows"].append(asdict(row))
             if save is not None:
-                write_text_atomic(save, json.dumps(report, indent=1) + "\n")
+                write_text_atomic(save, json_text(report, indent=1) + "\n")
             if on_row is not None:
                 on_row(len(report["rows"]), row)
             if interrupted is not None and interrupted():
@@ -235,7 +249,7 @@ def run_bench(
     except KeyboardInterrupt:
         report["interrupted"] = True
         if save is not None:
-            write_text_atomic(save, json.dumps(report, indent=1) + "\n")
+            write_text_atomic(save, json_text(report, indent=1) + "\n")
     return report
 
 
@@ -248,7 +262,7 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
             done = subprocess.run(
                 [
                     *(sys.executable, "-P", "-m", "qrobot.report.bench_worker"),
-                    *(json.dumps(asdict(task)), str(os.getpid())),
+                    *(json_text(asdict(task)), str(os.getpid())),
                 ],
                 env=os.environ | {"PYTHONPATH": import_path()},
                 capture_output=True,

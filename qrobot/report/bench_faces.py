@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import os
 import re
 import statistics
@@ -151,10 +152,10 @@ def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
 
 
 def _percent(value: float | None) -> str:
-    return "-" if value is None else f"{100 * value:.2f} %"
+    return "-" if value is None or not math.isfinite(value) else f"{100 * value:.2f} %"
 
 
 def _number(value: float | None, digits: int = 2) -> str:
-    if value is None:
+    if value is None or not math.isfinite(value):
         return "-"
     return f"{value:.0f}" if value == round(value) else f"{value:.{digits}f}"

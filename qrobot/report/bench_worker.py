@@ -16,6 +16,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from qrobot._json import json_text
 from qrobot.errors import InfeasibleError, QRobotError
 from qrobot.planning import solve
 from qrobot.problem.formats import read
@@ -27,7 +28,7 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
     """Solve one instance and return the row's values."""
     row: dict[str, Any] = {}
     try:
-        instance = read(task["path"], robots=task["robots"])
+        instance = read(task["path"], robots=task["robots"], rounding=task.get("rounding"))
         row["reference"] = instance.reference
         result = solve(
             instance,
@@ -79,4 +80,4 @@ def _peak_mb() -> float:
 
 if __name__ == "__main__":
     threading.Thread(target=_end_with, args=(int(sys.argv[2]),), daemon=True).start()
-    sys.stdout.write(json.dumps(run(json.loads(sys.argv[1]))) + "\n")
+    sys.stdout.write(json_text(run(json.loads(sys.argv[1]))) + "\n")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +9,8 @@ from pathlib import Path
 from qrobot._files import NO_PERMISSION, StrPath, read_text
 from qrobot.errors import InputError
 from qrobot.plan import Plan
+from qrobot.problem.formats.jsontext import loads
+from qrobot.problem.formats.positions import find_path
 
 __all__ = ["check_outputs", "check_writable", "read_plan"]
 
@@ -72,20 +73,16 @@ def read_plan(path: StrPath) -> Plan:
     Raises
     ------
     InputError
-        When the file is no plan.
+        When the file is not a plan, with line and column.
     """
-    source = os.fspath(path)
+    text = read_text(path)
     try:
-        data = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
+        return Plan.from_dict(loads(text))
+    except InputError as error:
+        place = find_path(text, error.field) if error.field else None
         raise InputError(
-            f"is no JSON: {error.msg}",
-            source=source,
-            field=f"line {error.lineno}, column {error.colno}",
-            mend="give a plan that qrobot wrote",
+            error.problem,
+            source=os.fspath(path),
+            field=f"{error.field}, {place}" if place else error.field,
+            mend=error.mend,
         ) from None
-    except RecursionError:
-        raise InputError(
-            "is nested too deeply", source=source, mend="give a plan that qrobot wrote"
-        ) from None
-    return Plan.from_dict(data, source=source)

@@ -161,7 +161,7 @@ def test_reads_with_and_without_byte_order_mark(tmp_path: Path) -> None:
         ("{}".encode("utf-16"), "is UTF-16 text; save it as UTF-8"),
         ("{}".encode("utf-16-le"), "is binary, not text"),
         (b"\x7fELF\0\0\xff", "is binary, not text"),
-        (b"{\xff}", r"is not UTF-8 text \(byte 1\); save it as UTF-8"),
+        (b"{\xff}", r"is not UTF-8 text \(byte 1, line 1\); save it as UTF-8"),
     ],
 )
 def test_what_is_no_text(tmp_path: Path, data: bytes, problem: str) -> None:

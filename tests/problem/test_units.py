@@ -105,7 +105,7 @@ def test_zero_weights_alone_have_a_unit() -> None:
 
 def test_too_many_digits_are_refused_with_the_mend() -> None:
     with pytest.raises(
-        InputError, match=r"items\[\].weight: .*no common unit.*; round the weights up"
+        InputError, match=r"items\[1\].weight: .*no common unit.*; round the weights up"
     ):
         _ = instance([Fraction(1), Fraction(1, 10**15)], Fraction(2)).weights
 

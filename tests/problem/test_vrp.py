@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 import tempfile
 from fractions import Fraction
 from pathlib import Path
@@ -16,7 +17,7 @@ from hypothesis import strategies as st
 import qrobot
 from qrobot.errors import InputError
 from qrobot.problem import DistanceTable, Instance, OpenFloor
-from qrobot.problem.formats.vrp import read_solution
+from qrobot.problem.formats.solutions import read_solution
 
 GOOD = """\
 # a comment line
@@ -57,6 +58,11 @@ def sentence(folder: Path, text: str | bytes, **options: Any) -> str:
     assert "; " in said
     assert "\n" not in said
     return said.removeprefix(f"{folder / 'x.vrp'}: ")
+
+
+def without_place(said: str) -> str:
+    """Leave out line and column: tests/problem/test_fault_places.py holds them."""
+    return re.sub(r",? ?line \d+(, column \d+)?(?=: )", "", said).removeprefix(": ")
 
 
 def test_reads_everything(tmp_path: Path) -> None:
@@ -177,7 +183,7 @@ def test_explicit_weights_however_wrapped(tmp_path: Path, layout: str, width: in
     numbers = [MATRIX[i][j] for i, j in FORMATS[layout]]
     one = read(tmp_path, explicit(layout, numbers, width))
     assert one.distances.tolist() == MATRIX
-    short = sentence(tmp_path, explicit(layout, numbers[:-1], width))
+    short = without_place(sentence(tmp_path, explicit(layout, numbers[:-1], width)))
     assert short.startswith(f"EDGE_WEIGHT_SECTION: {len(numbers) - 1} weights where {layout} of 4")
 
 
@@ -199,9 +205,9 @@ def without(section: str) -> str:
     [
         ("", "is empty; give a file with content"),
         (b"\x89PNG\r\n\x1a\n\x00", "is binary, not text; give"),
-        ("{}", "is not in VRPLIB format (Instance does not conform to the VRPLIB format); check"),
-        ("hello : world", "DIMENSION: is missing; add it; the file may be cut off"),
-        (GOOD.replace("CVRP\n", "VRPTW\n"), "TYPE: VRPTW is not planned; give a CVRP"),
+        ("{}", "'{}' is neither a field nor a section; write it as NAME : value"),
+        ("hello : world", "HELLO: world asks for something that qRobot does not plan for; give a"),
+        (GOOD.replace("CVRP\n", "VRPTW\n"), "TYPE: VRPTW is not planned; give a CVRP or an ACVRP"),
         (
             GOOD.replace("DIMENSION : 4", "DIMENSION : 5"),
             "DEMAND_SECTION: 4 nodes where DIMENSION ",
@@ -218,55 +224,64 @@ def without(section: str) -> str:
         (GOOD.replace("DIMENSION : 4", "DIMENSION : -4"), "DIMENSION: -4 is not a whole number"),
         (GOOD.replace("DIMENSION : 4", f"DIMENSION : {10**9}"), "DIMENSION: 1000000000 is not a "),
         (GOOD.replace("DIMENSION : 4\n", ""), "DIMENSION: is missing; add it; the file may be cut"),
-        (GOOD.replace("EUC_2D", "GEO"), "EDGE_WEIGHT_TYPE: GEO is not known; use EUC_2D, MAN_2D"),
+        (
+            GOOD.replace("EUC_2D", "XRAY1"),
+            "EDGE_WEIGHT_TYPE: XRAY1 is not known; use EXPLICIT, GEO",
+        ),
         (GOOD.replace("EDGE_WEIGHT_TYPE : EUC_2D\n", ""), "EDGE_WEIGHT_TYPE: is missing; use"),
         (GOOD.replace("EUC_2D", "EXPLICIT"), "EDGE_WEIGHT_SECTION: is missing; add it"),
-        (explicit("SPIRAL", [1], 1), "EDGE_WEIGHT_FORMAT: SPIRAL is not known; use FULL_MATRIX"),
-        (explicit("LOWER_ROW", [-1, 1, 1, 1, 1, 1], 6), "EDGE_WEIGHT_SECTION: matrix[0][1]: -1 is"),
+        (explicit("SPIRAL", [1], 1), "EDGE_WEIGHT_FORMAT: SPIRAL is not known; use one of FULL_M"),
+        (
+            explicit("LOWER_ROW", [-1, 1, 1, 1, 1, 1], 6),
+            "EDGE_WEIGHT_SECTION: -1 is not 0 to 1e+09",
+        ),
         (GOOD.replace("CAPACITY : 10", "CAPACITY : ten"), "CAPACITY: ten is not a finite number"),
         (GOOD.replace("CAPACITY : 10", "CAPACITY : 0"), "CAPACITY: 0 is not positive; correct it"),
-        (GOOD.replace("CAPACITY : 10", "CAPACITY : 1e400"), "CAPACITY: inf is not a finite number"),
+        (
+            GOOD.replace("CAPACITY : 10", "CAPACITY : 1e400"),
+            "CAPACITY: 1E+400 is larger than 1e+12 in",
+        ),
         (without("NODE_COORD"), "NODE_COORD_SECTION: is missing; add it; the file may be cut off"),
         (without("DEMAND"), "DEMAND_SECTION: is missing; add it; the file may be cut off"),
-        (without("DEPOT"), "DEPOT_SECTION: names no depot; give one node, then -1"),
+        (without("DEPOT"), "DEPOT_SECTION: is missing; give one node, then -1"),
         (GOOD.replace(" 1\n -1", " -1"), "DEPOT_SECTION: names no depot; give one node, then -1"),
         (GOOD.replace(" 1\n -1", " 1\n 2\n -1"), "DEPOT_SECTION: 2 depots where one belongs; give"),
         (GOOD.replace(" 1\n -1", " 9\n -1"), "DEPOT_SECTION: 9 is not a node; use 1 to 4"),
         (GOOD.replace(" 1\n -1", " 0.5\n -1"), "DEPOT_SECTION: 0.5 is not a node; use 1 to 4"),
         (
             GOOD.replace(" 1\n -1", " x\n -1"),
-            "DEPOT_SECTION, line 19: 'x' is not a number; correct",
+            "DEPOT_SECTION: 'x' is not a number; correct",
         ),
         (
             GOOD.replace("1 0\n2 4", "1 3\n2 4"),
-            "DEMAND_SECTION: the depot has demand 3.0; make it 0",
+            "DEMAND_SECTION: the depot has demand 3; make it 0",
         ),
-        (GOOD.replace("2 3 4", "2 3 four"), "NODE_COORD_SECTION, line 10: 'four' is not a number"),
-        (GOOD.replace("2 3 4", "2 3"), "NODE_COORD_SECTION, line 10: 2 numbers where 3 belong"),
+        (GOOD.replace("2 3 4", "2 3 four"), "NODE_COORD_SECTION: 'four' is not a number"),
+        (GOOD.replace("2 3 4", "2 3"), "NODE_COORD_SECTION: 2 numbers where 3 belong"),
         (
             GOOD.replace("2 3 4", "2 3 nan"),
-            "NODE_COORD_SECTION, line 10: nan is not a number up to",
+            "NODE_COORD_SECTION: 'nan' is not a number",
         ),
-        (GOOD.replace("2 3 4", "2 3 1e400"), "NODE_COORD_SECTION, line 10: 1e400 is not a number"),
-        (GOOD.replace("2 3 4", "2 3 " + "9" * 5000), "NODE_COORD_SECTION, line 10: 999999"),
-        (GOOD.replace("2 3 4", "3 3 4"), "NODE_COORD_SECTION, line 10: node 3 stands where node 2"),
-        (GOOD.replace("2 4\n", "2 -4\n"), "items[0].weight: weight -4 of item '1' is negative"),
+        (GOOD.replace("2 3 4", "2 3 1e400"), "NODE_COORD_SECTION: 1e400 is not a number up to"),
+        (GOOD.replace("2 3 4", "2 3 " + "9" * 5000), "NODE_COORD_SECTION: 999999"),
+        (GOOD.replace("2 3 4", "3 3 4"), "NODE_COORD_SECTION: node 3 is in line 10 too; numb"),
+        (GOOD.replace("2 4\n", "2 -4\n"), "DEMAND_SECTION: the demand -4 is negative; use zero"),
         (
             GOOD.replace("DEPOT_S", "TIME_WINDOW_SECTION\n1 2\nDEPOT_S"),
             "TIME_WINDOW_SECTION: is mor",
         ),
         (
             GOOD.replace("TYPE : CVRP", "TYPE : CVRP\nDISTANCE : 9"),
-            "DISTANCE: 9 is a limit that qR",
+            "DISTANCE: 9 asks for something that qRobot does",
         ),
         (
             GOOD.replace("DEPOT_S", "NAME : b\nDEPOT_S"),
-            "DEMAND_SECTION, line 18: 'NAME' is not a nu",
+            "NAME: 'b' is given where line 2 has 'own-n4",
         ),
     ],
 )
 def test_every_fault_names_its_section(tmp_path: Path, text: str | bytes, expected: str) -> None:
-    assert sentence(tmp_path, text).startswith(expected)
+    assert without_place(sentence(tmp_path, text)).startswith(expected)
 
 
 def test_old_encodings_are_read(tmp_path: Path) -> None:
@@ -331,11 +346,11 @@ def test_reads_solutions(tmp_path: Path) -> None:
     ("text", "expected"),
     [
         ("", "is empty; give"),
-        ("Route #1: 1 two\nCost 3", "is not a solution; give lines such as"),
-        ("Route 1 2\nCost 3", "is not a solution; give lines such as"),
+        ("Route #1: 1 two\nCost 3", "line 1: is not a solution; give lines such as"),
+        ("Route 1 2\nCost 3", "line 1: is not a solution; give lines such as"),
         ("Cost 3", "Route: is missing; give routes and cost"),
         ("Route #1: 1 2", "Cost: is missing; give routes and cost"),
-        ("Route #1: 1 2\nCost three", "Cost: is missing; give routes and cost"),
+        ("Route #1: 1 2\nCost three", "Cost, line 2: 'three' is not a number above zero; correct"),
         ("\0", "is binary, not text"),
     ],
 )

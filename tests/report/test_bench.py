@@ -75,6 +75,64 @@ def test_a_broken_index_is_named(text: str, tmp_path: Path) -> None:
         tasks([tmp_path / "a.vrp"], ["auto"], 1, deadline=1.0)
 
 
+@pytest.mark.parametrize("value", ["0", "-5", "1e300", "1e-300"])
+def test_an_index_value_that_no_gap_can_be_told_against_is_passed_over(
+    value: str, tmp_path: Path
+) -> None:
+    (tmp_path / "index.json").write_text(f'[{{"file": "a.vrp", "value": {value}}}]')
+    (task,) = tasks([tmp_path / "a.vrp"], ["auto"], 1, deadline=1.0)
+    assert task.reference is None
+
+
+@pytest.mark.parametrize("value", ["NaN", "Infinity", '1, "value": 2'])
+def test_an_index_that_is_not_json_is_named(value: str, tmp_path: Path) -> None:
+    (tmp_path / "index.json").write_text(f'[{{"file": "a.vrp", "value": {value}}}]')
+    with pytest.raises(InputError, match=r"index\.json: line 1, column \d+: "):
+        tasks([tmp_path / "a.vrp"], ["auto"], 1, deadline=1.0)
+
+
+VRP = """\
+NAME : own-n4-k2
+TYPE : CVRP
+DIMENSION : 4
+EDGE_WEIGHT_TYPE : EUC_2D
+CAPACITY : 10
+NODE_COORD_SECTION
+1 0 0
+2 3.3 4
+3 0 5
+4 1 1
+DEMAND_SECTION
+1 0
+2 4
+3 5
+4 2
+DEPOT_SECTION
+1
+-1
+"""
+
+
+def test_no_reference_breaks_the_report(tmp_path: Path) -> None:
+    costs = {"a": "nan", "b": "inf", "c": "-5", "d": "0", "e": "12.5", "f": "1e-320"}
+    for name, cost in costs.items():
+        (tmp_path / f"{name}.vrp").write_text(VRP)
+        (tmp_path / f"{name}.sol").write_text(f"Route #1: 1 2 3\nCost {cost}\n")
+    saved = tmp_path / "out" / "report.json"
+    saved.parent.mkdir()
+    for rounding in (None, "none"):
+        todo = tasks(
+            find_instances(tmp_path), ["exact"], 1, deadline=None, max_work=100, rounding=rounding
+        )
+        report = run_bench(todo, save=saved)
+        rows = json.loads(saved.read_text(), parse_constant=pytest.fail)["rows"]
+        assert [row["error"] for row in rows] == [None] * 6
+        assert [row["reference"] for row in rows] == [None, None, None, None, 12.5, None]
+        assert len({row["cost"] for row in rows}) == 1
+        assert rows[0]["cost"].is_integer() == (rounding is None)
+        assert "nan" not in bench_markdown(report, "title").splitlines()[-1]
+
+
 def test_a_run_has_a_process_of_its_own_and_its_memory(tmp_path: Path) -> None:
     ballast = bytearray(300_000_000)  # ours: it must not show in the worker's peak
     ballast[::4096] = b"x" * len(ballast[::4096])

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import click
 
+from qrobot._json import json_text
 from qrobot.cli.options import FILE
 from qrobot.cli.streams import say
 
@@ -35,5 +35,5 @@ def compare_(before: str, after: str, strict: bool, as_json: bool) -> None:
     from qrobot.health.reports import compare
 
     found = compare(read_report(before), read_report(after))
-    say(json.dumps(found.to_dict(), indent=1) if as_json else show_comparison(found))
+    say(json_text(found.to_dict(), indent=1) if as_json else show_comparison(found))
     sys.exit(1 if found.worse or (strict and found.drift) else 0)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
+
+from qrobot._json import json_text
 
 if TYPE_CHECKING:
     from qrobot.health import Check
@@ -22,7 +23,7 @@ def listing(checks: list[Check], as_json: bool) -> str:
              "versions": c.versions()}
             for c in checks
         ]  # fmt: skip
-        return json.dumps(rows, indent=1)
+        return json_text(rows, indent=1)
     heads = ["check", "group", "computes", "quick", "profile", "installed"]
     return columns(
         heads,

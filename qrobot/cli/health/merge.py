@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import click
 
+from qrobot._json import json_text
 from qrobot.cli.options import FILE
 from qrobot.cli.streams import say
 
@@ -44,7 +44,7 @@ def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
             write_text_atomic(html_path, fleet_html(found))
         except InputError as error:  # a full disk; the terminal still has it
             trouble = error
-    say(json.dumps(found.to_dict(), indent=1) if as_json else show_fleet(found))
+    say(json_text(found.to_dict(), indent=1) if as_json else show_fleet(found))
     if trouble is not None:
         raise trouble
     sys.exit(1 if found.unhealthy else 0)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 
 from qrobot._files import StrPath, write_text_atomic
+from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.health.model import Report
 from qrobot.health.reports.compare import Comparison
@@ -21,7 +21,7 @@ def as_json(report: Report, comparison: Comparison | None = None) -> str:
     data = report.to_dict()
     if comparison is not None:
         data["comparison"] = comparison.to_dict()
-    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+    return json_text(data, indent=1, ensure_ascii=False)
 
 
 def save(

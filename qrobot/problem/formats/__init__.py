@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from decimal import Decimal
-from fractions import Fraction
+from collections.abc import Sequence
 from pathlib import Path
 
 from qrobot._files import StrPath, write_text_atomic
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
 from qrobot.problem.shipped import example_path
-from qrobot.problem.units import exact
+from qrobot.problem.units import Quantity, exact
 
 __all__ = ["read", "write"]
 
@@ -26,8 +25,10 @@ def read(
     *,
     layout: StrPath | None = None,
     robots: int | str | None = None,
-    capacity: int | float | str | Decimal | Fraction | None = None,
+    capacity: Quantity | None = None,
     split_orders: bool = False,
+    rounding: str | None = None,
+    ignore_columns: Sequence[str] = (),
 ) -> Instance:
     """Return the instance of a file, whatever its format.
 
@@ -45,6 +46,11 @@ def read(
         Another capacity of every robot.
     split_orders
         Let each item stand alone, as in the paper's formulas.
+    rounding
+        Of the distances of a ``.vrp`` file: ``none``, ``nearest``, ``up`` or ``down`` in the
+        place of what its EDGE_WEIGHT_TYPE demands.
+    ignore_columns
+        Columns of CSV orders that are not ours, such as notes.
 
     Returns
     -------
@@ -58,9 +64,7 @@ def read(
     """
     path = example_path(path) or path
     try:
-        instance = _read_file(path, layout, robots, capacity)
-        # Found out now, while the file's name is at hand to tell.
-        _ = instance.place_distances, instance.unit
+        instance = _read_file(path, layout, robots, capacity, rounding, ignore_columns)
     except InputError as error:
         raise error.in_file(os.fspath(path)) from None
     return instance.split_orders() if split_orders else instance
@@ -70,7 +74,9 @@ def _read_file(
     path: StrPath,
     layout: StrPath | None,
     robots: int | str | None,
-    capacity: int | float | str | Decimal | Fraction | None,
+    capacity: Quantity | None,
+    rounding: str | None,
+    ignore_columns: Sequence[str],
 ) -> Instance:
     count = _count(robots)
     size = None if capacity is None else exact(capacity, field="capacity")
@@ -79,6 +85,11 @@ def _read_file(
     suffix = Path(path).suffix.lower()
     if layout is not None and suffix != ".csv":
         raise InputError("a layout belongs to CSV orders", mend="leave it out, or give a .csv")
+    if ignore_columns and suffix != ".csv":
+        raise InputError(
+            "columns belong to CSV orders", field="ignore_columns", mend="leave it out"
+        )
+    _check_rounding(rounding, suffix)
     if suffix == ".json":
         from qrobot.problem.formats.native import read_native
 
@@ -86,11 +97,13 @@ def _read_file(
     elif suffix == ".csv":
         from qrobot.problem.formats.csvs import read_csv
 
-        instance = read_csv(path, layout)
+        instance = read_csv(path, layout, ignore_columns)
     elif suffix == ".vrp":
         from qrobot.problem.formats.vrp import read_vrp
 
-        instance = read_vrp(path, robots_follow=robots is not None, capacity=size)
+        instance = read_vrp(
+            path, robots_follow=robots is not None, capacity=size, rounding=rounding
+        )
     else:
         raise _unknown(path)
     if size is not None:
@@ -99,12 +112,31 @@ def _read_file(
     return instance if robots is None else instance.with_robots(count)
 
 
+def _check_rounding(rounding: str | None, suffix: str) -> None:
+    if rounding is None:
+        return
+    if suffix != ".vrp":
+        raise InputError(
+            "rounding belongs to .vrp files",
+            field="rounding",
+            mend="leave it out (a floor in native JSON has a field for it)",
+        )
+    from qrobot.problem.formats.weights import ROUNDINGS
+
+    if rounding not in ROUNDINGS:
+        raise InputError(
+            f"{rounding!r:.40} is not a rounding",
+            field="rounding",
+            mend=f"use one of {', '.join(ROUNDINGS)}",
+        )
+
+
 def _count(robots: int | str | None) -> int | None:
     if robots is None or robots == "free":
         return None
     if isinstance(robots, bool) or not isinstance(robots, int):
         raise InputError(
-            f"{robots!r} is no number of robots",
+            f"{robots!r} is not a number of robots",
             field="robots",
             mend="give a whole number above 0, or 'free'",
         )

@@ -12,11 +12,12 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from qrobot.errors import InputError
-from qrobot.problem.units import MAX_WEIGHT, exact
+from qrobot.problem.names import canonical, first_invisible
+from qrobot.problem.units import MAX_WEIGHT, exact, number_mend
 
 __all__ = [
     "Capacity",
@@ -63,6 +64,13 @@ def _number(value: Any) -> float:
     return number
 
 
+def _visible(value: str) -> str:
+    """Return a name in its composed form, refusing what cannot be seen in it."""
+    if (hidden := first_invisible(value)) is not None:
+        raise refuse(f"{shown(value)} holds the invisible character {hidden}", "remove it")
+    return canonical(value)
+
+
 def _whole(value: Any) -> Any:
     """Take 3.0 for 3, as JSON Schema does."""
     if isinstance(value, float | Decimal):
@@ -73,8 +81,8 @@ def _whole(value: Any) -> Any:
 
 def _exact(value: Any) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, int | float | Decimal):
-        comma = isinstance(value, str) and "," in value
-        mend = "write it with a point and without quotes" if comma else "give a plain number"
+        mend = number_mend(value) if isinstance(value, str) else ""
+        mend = f"{mend}, without quotes" if mend.startswith("write ") else "give a plain number"
         raise refuse(f"{shown(value)} is not a number", mend)
     try:
         return exact(value, field="")
@@ -83,7 +91,7 @@ def _exact(value: Any) -> Fraction:
 
 
 def _matrix(value: Any) -> tuple[tuple[float, ...], ...]:
-    """Check millions of entries without a model each; ``null`` is no way."""
+    """Check millions of entries without a model each; the diagonal may hold any number."""
     if not isinstance(value, list):
         raise refuse(f"{shown(value)} is not a list of rows", "give one list per row")
     rows = []
@@ -96,10 +104,10 @@ def _matrix(value: Any) -> tuple[tuple[float, ...], ...]:
             number = math.inf if entry is None else math.nan
             if kind is int or kind is float or kind is Decimal:
                 number = float(entry)
-            if number != number or (number == math.inf and entry is not None):
+            if number != number or (number == math.inf and entry is not None and i != j):
                 raise refuse(
                     f"{shown(entry)} is not a distance",
-                    "give a number, or null where no way leads",
+                    "give a number, or null where no way leads directly",
                     at=f"[{i}][{j}]",
                 )
             numbers.append(number)
@@ -116,6 +124,7 @@ Count = Annotated[int, Field(ge=1), BeforeValidator(_whole)]
 Name = Annotated[
     str,
     Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+$"),
+    AfterValidator(_visible),
 ]
 Weight = Annotated[
     Fraction,

@@ -8,10 +8,12 @@ the writer puts one record on a line, so that people can read and compare files.
 from __future__ import annotations
 
 import json
+import math
 from decimal import Decimal
 from typing import Any
 
 from qrobot.errors import InputError
+from qrobot.problem.formats.positions import find_repeated, find_token
 
 __all__ = ["dumps", "loads"]
 
@@ -28,13 +30,45 @@ def loads(text: str) -> Any:
     InputError
         When the text is not strict JSON, with line and column.
     """
+
+    def number(token: str) -> float | Decimal:
+        if len(token) <= _EXACT_DIGITS and "e" not in token.lower():
+            return float(token)
+        try:
+            return Decimal(token)
+        except ArithmeticError:
+            raise InputError(
+                f"{token:.40} is not a finite number",
+                field=find_token(text, token),
+                mend="correct it",
+            ) from None
+
+    def constant(token: str) -> float:
+        raise InputError(
+            f"{token} is not a number in JSON",
+            field=find_token(text, token),
+            mend="use a plain number",
+        )
+
+    def fields(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            keys = [key for key, _ in pairs]
+            twice = next(key for key in keys if keys.count(key) > 1)
+            raise InputError(
+                f"the field {twice!r:.60} is given twice",
+                field=find_repeated(text, twice),
+                mend="keep one of them",
+            )
+        return found
+
     try:
         return json.loads(
             text,
-            parse_float=_float,
+            parse_float=number,
             parse_int=_int,
-            parse_constant=_no_constant,
-            object_pairs_hook=_object,
+            parse_constant=constant,
+            object_pairs_hook=fields,
         )
     except json.JSONDecodeError as error:
         raise InputError(
@@ -45,30 +79,8 @@ def loads(text: str) -> Any:
         raise InputError("broken JSON (nested too deeply)", mend="flatten it") from None
 
 
-def _float(text: str) -> float | Decimal:
-    if len(text) <= _EXACT_DIGITS and "e" not in text.lower():
-        return float(text)
-    try:
-        return Decimal(text)
-    except ArithmeticError:
-        raise InputError(f"{text:.40} is not a finite number", mend="correct it") from None
-
-
 def _int(text: str) -> int | Decimal:
     return int(text) if len(text) <= 40 else Decimal(text)
-
-
-def _no_constant(text: str) -> float:
-    raise InputError(f"{text} is not a number in JSON", mend="use a plain number")
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise InputError(f"the field {twice!r} is given twice", mend="keep one of them")
-    return found
 
 
 def dumps(data: Any) -> str:
@@ -109,5 +121,7 @@ def _flat(data: Any) -> str:
     if isinstance(data, Decimal):
         return format(data, "f")
     if isinstance(data, float):
+        if not math.isfinite(data):
+            raise ValueError(f"{data!r} is not a number of JSON")
         return str(int(data)) if data.is_integer() and abs(data) < 1e15 else repr(data)
     return json.dumps(data, ensure_ascii=False)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +29,8 @@ from qrobot.problem import (
 )
 from qrobot.problem.formats.fields import shown
 from qrobot.problem.formats.jsontext import loads
+from qrobot.problem.formats.places import checked
+from qrobot.problem.formats.positions import find_path
 from qrobot.problem.formats.schema import (
     SCHEMA,
     AislesModel,
@@ -37,6 +41,7 @@ from qrobot.problem.formats.schema import (
     PointModel,
     SlotModel,
 )
+from qrobot.problem.validity import check_robots
 
 __all__ = ["Layout", "parse_native", "read_layout", "read_native"]
 
@@ -79,7 +84,21 @@ def read_native(path: StrPath) -> Instance:
 
 def parse_native(text: str) -> Instance:
     """Return the instance of native JSON text; errors as of `read_native`."""
-    document = _document(loads(text))
+    with _places_of(text):
+        return _instance(_document(loads(text)))
+
+
+@contextmanager
+def _places_of(text: str) -> Iterator[None]:
+    """Let errors tell line and column of their field."""
+    try:
+        yield
+    except InputError as error:
+        place = find_path(text, error.field) if error.field else None
+        raise _moved(error, f"{error.field}, {place}") if place else error from None
+
+
+def _instance(document: Document) -> Instance:
     if "items" not in document.model_fields_set:
         raise InputError(
             "is missing (a document without items is a layout)",
@@ -92,7 +111,8 @@ def parse_native(text: str) -> Instance:
         orders = tuple(Order(o.id, tuple(o.items)) for o in document.orders)
     else:
         orders = tuple(Order(item.id, (item.id,)) for item in items)
-    try:
+
+    def make() -> Instance:
         return Instance(
             warehouse=layout.warehouse,
             items=items,
@@ -102,21 +122,23 @@ def parse_native(text: str) -> Instance:
             comment=document.comment,
             reference=document.reference,
         )
-    except InputError as error:
-        if isinstance(document.robots, FleetModel) and error.field:
-            raise _moved(error, re.sub(r"^robots\[\d+\]", "robots", error.field)) from None
-        raise
+
+    return checked(make, lambda field: field)
 
 
 def read_layout(path: StrPath) -> Layout:
     """Return the layout of a native document that has neither items nor orders."""
-    document = _document(loads(read_text(path)))
-    for name in ("items", "orders", "reference"):
-        if name in document.model_fields_set:
-            raise InputError(
-                "does not belong into a layout", field=name, mend="remove it, or solve this file"
-            )
-    return _layout(document)
+    text = read_text(path)
+    with _places_of(text):
+        document = _document(loads(text))
+        for name in ("items", "orders", "reference"):
+            if name in document.model_fields_set:
+                raise InputError(
+                    "does not belong into a layout",
+                    field=name,
+                    mend="remove it, or solve this file",
+                )
+        return _layout(document)
 
 
 def _document(data: Any) -> Document:
@@ -187,6 +209,12 @@ def _layout(document: Document) -> Layout:
         )
     else:
         robots = tuple(Robot(r.id, r.capacity, r.speed, r.trips) for r in fleet)
+    try:
+        check_robots(robots)
+    except InputError as error:
+        if isinstance(fleet, FleetModel) and error.field:
+            raise _moved(error, re.sub(r"^robots\[\d+\]", "robots", error.field)) from None
+        raise
     return Layout(document.name, document.comment, warehouse, robots)
 
 

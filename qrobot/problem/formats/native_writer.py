@@ -102,7 +102,7 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
             "rounding": warehouse.rounding,
             "depot": {"x": warehouse.depot_x, "y": warehouse.depot_y},
         }
-    rows = [[None if math.isinf(d) else d for d in row] for row in warehouse.matrix]
+    rows = [[d if math.isfinite(d) else None for d in row] for row in warehouse.matrix]
     data = {"kind": "matrix", "matrix": rows, "depot_node": warehouse.depot_node}
     if warehouse.positions is not None:
         data["positions"] = [list(xy) for xy in warehouse.positions]

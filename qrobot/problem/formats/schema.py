@@ -8,13 +8,13 @@ is checked by the domain classes, however an instance was made.
 from __future__ import annotations
 
 import difflib
-import json
 import sys
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
+from qrobot._json import json_text
 from qrobot.problem.formats.fields import (
     Capacity,
     Count,
@@ -238,4 +238,4 @@ def json_schema() -> Mapping[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(json.dumps(json_schema(), indent=1) + "\n")
+    sys.stdout.write(json_text(json_schema(), indent=1) + "\n")

@@ -1,147 +1,226 @@
-"""The sections of a TSPLIB text, checked line by line before `vrplib` reads them.
+"""The text of a TSPLIB 95 file: its fields and sections, with the line of each.
 
-`vrplib` drops the node numbers, keeps text where numbers should be, and knows two of the
-formats of an explicit matrix. So the numbers are checked here, where their line is known,
-and the edge weights are read here as the one stream of numbers that TSPLIB 95 makes them.
+A keyword counts only where a line begins with it: ``EOF`` in a comment is text. Fields and
+sections may stand in any sequence. What a field or section means is not known here.
 """
 
 from __future__ import annotations
 
-import itertools
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from qrobot.errors import InputError
+from qrobot.problem.units import NUMBER
 
-__all__ = ["check_sections", "square_matrix"]
+__all__ = ["Field", "Section", "Tsplib", "parse"]
 
-_WIDTHS = {"NODE_COORD": 3, "DEMAND": 2}
-_KNOWN = {"NODE_COORD", "DEMAND", "DEPOT", "EDGE_WEIGHT", "DISPLAY_DATA"}
-_LARGEST = 1e9
+Floats = npt.NDArray[np.float64]
 
-_TRIANGLES = {
-    "LOWER_ROW": ("lower", 1),
-    "UPPER_COL": ("lower", 1),
-    "UPPER_ROW": ("upper", 1),
-    "LOWER_COL": ("upper", 1),
-    "LOWER_DIAG_ROW": ("lower", 0),
-    "UPPER_DIAG_COL": ("lower", 0),
-    "UPPER_DIAG_ROW": ("upper", 0),
-    "LOWER_DIAG_COL": ("upper", 0),
-}
-"""For each format the triangle that its stream fills row by row, and whether the diagonal
-is left out. Columns of one triangle are the rows of the other, since both are equal."""
+_KEYWORD = re.compile(r"[A-Za-z][A-Za-z0-9_ -]*")
+_ONLY_NUMBERS = re.compile(r"[0-9eE+\-.\s]*")
 
 
-def check_sections(text: str) -> tuple[str, list[float] | None]:
-    """Check every number of the data sections.
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One line ``NAME : value``."""
 
-    Returns
-    -------
-    tuple
-        The text without its EDGE_WEIGHT_SECTION, and the numbers of that section.
+    name: str
+    value: str
+    line: int
+
+    def error(self, problem: str, mend: str) -> InputError:
+        """Return an error that names the field and its line."""
+        return InputError(problem, field=f"{self.name:.40}, line {self.line}", mend=mend)
+
+
+@dataclass(slots=True)
+class Section:
+    """The lines of numbers below ``NAME_SECTION``."""
+
+    name: str
+    line: int
+    rows: list[tuple[int, str]] = field(default_factory=list)
+    """Number and text of each line."""
+
+    def where(self, row: int, word: int) -> str:
+        """Return line and column of a word: of which line of the section, and which there."""
+        line, text = self.rows[row]
+        starts = [found.start() for found in re.finditer(r"\S+", text)]
+        column = starts[min(word, len(starts) - 1)] + 1
+        return f"{self.name:.40}_SECTION, line {line}, column {column}"
+
+    def error(self, problem: str, mend: str, row: int | None = None, word: int = 0) -> InputError:
+        """Return an error that names a word, as of `where`, or the section's own line."""
+        where = f"{self.name:.40}_SECTION, line {self.line}"
+        return InputError(problem, field=where if row is None else self.where(row, word), mend=mend)
+
+    def error_at(self, number: int, problem: str, mend: str) -> InputError:
+        """Return an error that names the number-th word of the section."""
+        for row, (_, text) in enumerate(self.rows):
+            words = len(text.split())
+            if number < words:
+                return self.error(problem, mend, row, number)
+            number -= words
+        return self.error(problem, mend)
+
+    def table(self, width: int) -> list[list[str]]:
+        """Return the words of every line.
+
+        Raises
+        ------
+        InputError
+            When a line has not `width` words, or a word is not a number.
+        """
+        found = []
+        for row, (_, text) in enumerate(self.rows):
+            words = text.split()
+            for at, word in enumerate(words):
+                if not NUMBER.fullmatch(word):
+                    raise self.error(f"{word!r:.40} is not a number", "correct it", row, at)
+            if len(words) != width:
+                raise self.error(
+                    f"{len(words)} numbers where {width} belong", "correct the line", row
+                )
+            found.append(words)
+        return found
+
+    def stream(self) -> Floats:
+        """Return all numbers, however they are broken into lines.
+
+        Raises
+        ------
+        InputError
+            When a word is not a number.
+        """
+        words = " ".join(text for _, text in self.rows).split()
+        try:
+            # The test of the whole is quick; matrices have millions of words.
+            if all(_ONLY_NUMBERS.fullmatch(text) for _, text in self.rows):
+                return np.array(words, dtype=np.float64)
+        except ValueError:
+            pass
+        bad = next(n for n, word in enumerate(words) if not NUMBER.fullmatch(word))
+        raise self.error_at(bad, f"{words[bad]!r:.40} is not a number", "correct it")
+
+
+@dataclass(slots=True)
+class Tsplib:
+    """Fields and sections by name, and notes on what was not read."""
+
+    fields: dict[str, Field] = field(default_factory=dict)
+    sections: dict[str, Section] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    def text(self, name: str) -> str:
+        """Return the value of a field, empty without one."""
+        return self.fields[name].value if name in self.fields else ""
+
+    def nodes(self, name: str, size: int, width: int) -> tuple[list[list[str]], list[int]]:
+        """Return the words of each node of a section, and the row that each stands in.
+
+        Parameters
+        ----------
+        name
+            Of the section, which must be there.
+        size, width
+            Number of nodes, and of words for each; the first is its number.
+
+        Raises
+        ------
+        InputError
+            When nodes are missing or repeated, or a word is not a number.
+        """
+        section = self.sections.get(name)
+        if section is None:
+            raise InputError(
+                "is missing", field=f"{name}_SECTION", mend="add it; the file may be cut off"
+            )
+        words = section.table(width)
+        if len(words) != size:
+            raise section.error(
+                f"{len(words)} nodes where DIMENSION says {size}",
+                "correct DIMENSION, or complete the section (the file may be cut off)",
+            )
+        rows = [-1] * size
+        for row, (node, *_) in enumerate(words):
+            if not re.fullmatch(r"[0-9]{1,9}", node) or not 1 <= int(node) <= size:
+                raise section.error(f"{node:.40} is not a node", f"use 1 to {size}", row)
+            if (before := rows[int(node) - 1]) >= 0:
+                line = section.rows[before][0]
+                raise section.error(
+                    f"node {node} is in line {line} too", "number the nodes 1, 2, 3 ...", row
+                )
+            rows[int(node) - 1] = row
+        return [words[row] for row in rows], rows
+
+
+def parse(text: str) -> Tsplib:
+    """Return the fields and sections of a text.
 
     Raises
     ------
     InputError
-        With section and line.
+        When a line is neither, or something is given twice.
     """
-    kept: list[str] = []
-    weights: list[float] | None = None
-    section, rows = "", 0
-    for number, line in enumerate(text.splitlines(), start=1):
-        words = line.split()
+    found = Tsplib()
+    section: Section | None = None
+    lines = enumerate(re.split(r"\r\n|\r|\n", text), start=1)
+    for number, line in lines:
+        words = line.split(maxsplit=1)
         if not words or words[0].startswith("#"):
             continue
-        if "EOF" in line:
+        if section is not None and words[0][0] in "0123456789+-.":
+            section.rows.append((number, line))
+            continue
+        bare = line.strip(" \t:").upper()
+        if bare == "EOF":
+            _note_rest(found, lines)
             break
-        if "_SECTION" in line:
-            section, rows = line.strip(" \t:").removesuffix("_SECTION").upper(), 0
-            if section not in _KNOWN:
-                raise InputError(
-                    "is more than qRobot plans for",
-                    field=f"{section:.40}_SECTION",
-                    mend="give a CVRP with capacities only",
-                )
-            if section == "EDGE_WEIGHT":
-                weights = [] if weights is None else weights
-                continue
-        elif section:
-            where = f"{section}_SECTION, line {number}"
-            values = [_number(word, where) for word in words]
-            if section == "EDGE_WEIGHT":
-                assert weights is not None
-                weights.extend(values)
-                continue
-            if section in _WIDTHS:
-                rows += 1
-                _check_row(values, rows, _WIDTHS[section], where)
-        kept.append(line)
-    return "\n".join(kept), weights
+        if bare.endswith("_SECTION") and _KEYWORD.fullmatch(bare):
+            section = Section(bare.removesuffix("_SECTION"), number)
+            if (before := found.sections.get(section.name)) is not None:
+                raise section.error(f"is given in line {before.line} too", "keep one of them")
+            found.sections[section.name] = section
+        elif (known := _field(line, number)) is not None:
+            _keep(found, known)
+        elif section is not None:
+            section.rows.append((number, line))
+        else:
+            raise InputError(
+                f"{line.strip()!r:.60} is neither a field nor a section",
+                field=f"line {number}, column 1",
+                mend="write it as NAME : value (see TSPLIB 95)",
+            )
+    return found
 
 
-def _number(word: str, where: str) -> float:
-    try:
-        number = float(word)
-    except ValueError:
-        raise InputError(f"{word!r:.40} is not a number", field=where, mend="correct it") from None
-    if not abs(number) <= _LARGEST:
-        raise InputError(
-            f"{word:.40} is not a number up to {_LARGEST:g}", field=where, mend="correct it"
+def _field(line: str, number: int) -> Field | None:
+    name, colon, value = line.partition(":")
+    if not colon or not _KEYWORD.fullmatch(name.strip()):
+        return None
+    return Field(name.strip().upper(), value.strip(), number)
+
+
+def _keep(found: Tsplib, new: Field) -> None:
+    """Take a field; comments add up, another value for the same field is refused."""
+    before = found.fields.get(new.name)
+    if new.name.endswith("_SECTION"):
+        raise new.error(f"{new.value!r:.40} stands behind the keyword", "put it on the next line")
+    if before is not None and new.name == "COMMENT":
+        new = Field(new.name, f"{before.value} {new.value}", before.line)
+    elif before is not None and before.value != new.value:
+        raise new.error(
+            f"{new.value!r:.40} is given where line {before.line} has {before.value!r:.40}",
+            "keep one of them",
         )
-    return number
+    found.fields[new.name] = new
 
 
-def _check_row(values: list[float], row: int, width: int, where: str) -> None:
-    if len(values) != width:
-        raise InputError(
-            f"{len(values)} numbers where {width} belong", field=where, mend="correct the line"
-        )
-    if values[0] != row:
-        raise InputError(
-            f"node {values[0]:g} stands where node {row} belongs",
-            field=where,
-            mend="number the nodes 1, 2, 3 ... in sequence",
-        )
-
-
-def square_matrix(weights: list[float], layout: str, size: int) -> npt.NDArray[np.float64]:
-    """Return the matrix that a stream of edge weights fills.
-
-    Parameters
-    ----------
-    weights
-        The numbers of the section, however they were broken into lines.
-    layout
-        EDGE_WEIGHT_FORMAT.
-    size
-        Number of nodes.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (size, size).
-    """
-    if layout != "FULL_MATRIX" and layout not in _TRIANGLES:
-        raise InputError(
-            f"{layout:.40} is not known",
-            field="EDGE_WEIGHT_FORMAT",
-            mend=f"use FULL_MATRIX or one of {', '.join(itertools.islice(_TRIANGLES, 3))}",
-        )
-    triangle, offset = _TRIANGLES.get(layout, ("", 0))
-    needed = size * (size + 1) // 2 - offset * size if triangle else size * size
-    if len(weights) != needed:
-        raise InputError(
-            f"{len(weights)} weights where {layout} of {size} nodes has {needed}",
-            field="EDGE_WEIGHT_SECTION",
-            mend="correct DIMENSION, or complete the section (the file may be cut off)",
-        )
-    if not triangle:
-        return np.array(weights).reshape(size, size)
-    matrix = np.zeros((size, size))
-    if triangle == "lower":
-        matrix[np.tril_indices(size, -offset)] = weights
-        return np.asarray(np.tril(matrix) + np.tril(matrix, -1).T)
-    matrix[np.triu_indices(size, offset)] = weights
-    return np.asarray(np.triu(matrix) + np.triu(matrix, 1).T)
+def _note_rest(found: Tsplib, lines: Iterator[tuple[int, str]]) -> None:
+    rest = [number for number, line in lines if line.strip()]
+    if rest:
+        found.notes.append(f"line {rest[0]} and what follows stand behind EOF and are not read")

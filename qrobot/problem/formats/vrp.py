@@ -1,54 +1,63 @@
-"""CVRPLIB and QOBLIB files: ``.vrp`` instances and ``.sol`` solutions.
+"""CVRPLIB and QOBLIB files: ``.vrp`` instances, in the words of TSPLIB 95.
 
-The text is parsed by the `vrplib` package. What it leaves open is settled here: EUC_2D is
-rounded as TSPLIB demands, and the number of vehicles, which has no field, is taken from
-the comment or the name.
+What a file says is read or refused: a field or section that changes the question, such as a
+limit of the trips' length, is never passed over, and one that nobody knows might. The number
+of vehicles, which has no field of its own, is taken from the comment or the name.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
 
 from qrobot._files import StrPath, read_text
 from qrobot.errors import InputError
 from qrobot.problem import (
     MAX_ITEMS,
     MAX_STOPS,
-    DistanceTable,
     Instance,
     Item,
-    Node,
-    OpenFloor,
     Order,
-    Place,
-    Point,
     Robot,
-    Warehouse,
 )
-from qrobot.problem.formats.tsplib import check_sections, square_matrix
+from qrobot.problem.formats.places import checked
+from qrobot.problem.formats.solutions import reference_beside, reference_in_comment
+from qrobot.problem.formats.tsplib import Tsplib, parse
+from qrobot.problem.formats.vrp_places import places_of
+from qrobot.problem.names import first_invisible
 from qrobot.problem.units import exact
 
-__all__ = ["read_solution", "read_vrp"]
+__all__ = ["read_vrp"]
 
-Specs = dict[str, Any]
+_READ = {
+    "NAME", "COMMENT", "TYPE", "DIMENSION", "CAPACITY", "VEHICLES", "EDGE_WEIGHT_TYPE",
+    "EDGE_WEIGHT_FORMAT", "NODE_COORD_TYPE",
+}  # fmt: skip
+_WITHOUT_MEANING = {"DISPLAY_DATA_TYPE"}
+"""Only for pictures of other programs."""
+_DESCRIBING = {
+    "AUTHOR", "AUTHORS", "CONTACT", "CREATED", "CREATOR", "DATE", "DESCRIPTION", "EMAIL",
+    "GENERATOR", "KEYWORDS", "LICENCE", "LICENSE", "NOTE", "NOTES", "ORIGIN", "PUBLISHED",
+    "REMARK", "REMARKS", "SEED", "SOURCE", "TITLE", "URL", "VERSION", "YEAR",
+}  # fmt: skip
+_ZERO_IS_NONE = {
+    "DISTANCE", "MAX_DISTANCE", "SERVICE_TIME", "VEHICLES_FIXED_COST", "VEHICLES_MAX_RELOADS",
+}  # fmt: skip
+"""Fields that files carry with 0 where there is no such limit, time, price or reload."""
+_SECTIONS = {"NODE_COORD", "DEMAND", "DEPOT", "EDGE_WEIGHT", "DISPLAY_DATA"}
 
-_TRUCKS = re.compile(r"(?:no\.?|number) of (?:trucks|vehicles)\s*[:=]?\s*(\d{1,6})", re.I)
-_BEST = re.compile(
-    r"(?:optimal|best(?:[ -]known)?)\s*(?:value|cost|solution|distance)?\s*[:=]\s*"
-    r"(\d{1,12}(?:\.\d{1,12})?)",
-    re.I,
+_TRUCKS = re.compile(
+    r"(?:no\.?|number) of (?:trucks|vehicles)\s*[:=]?\s*(\d{1,6})(?![\d_'’]|[.,]\d)", re.IGNORECASE
 )
 
 
 def read_vrp(
-    path: StrPath, *, robots_follow: bool = False, capacity: Fraction | None = None
+    path: StrPath,
+    *,
+    robots_follow: bool = False,
+    capacity: Fraction | None = None,
+    rounding: str | None = None,
 ) -> Instance:
     """Return the instance of a ``.vrp`` file.
 
@@ -58,11 +67,14 @@ def read_vrp(
     Parameters
     ----------
     path
-        A CVRP with EUC_2D, MAN_2D, CEIL_2D, FLOOR_2D, EXACT_2D or EXPLICIT distances.
+        A CVRP or ACVRP with distances that TSPLIB 95 knows.
     robots_follow
         Whether the number of robots is set afterwards, so that the file need not tell it.
     capacity
         Takes the place of CAPACITY.
+    rounding
+        ``none``, ``nearest``, ``up`` or ``down`` in the place of what EDGE_WEIGHT_TYPE
+        demands.
 
     Raises
     ------
@@ -70,141 +82,139 @@ def read_vrp(
         When the file is broken, or asks for more than capacities.
     """
     path = Path(path)
-    specs, weights = _parse(read_text(path, fallback="latin-1"))
-    size = _whole(specs, "DIMENSION", least=1, most=MAX_STOPS + 1)
-    demands = _section(specs, "DEMAND", size).tolist()
-    depot = _depot(specs, size)
+    file = parse(read_text(path, fallback="latin-1"))
+    _check_known(file)
+    size = _whole(file, "DIMENSION", most=MAX_STOPS + 1)
+    demands, rows = _demands(file, size)
+    depot = _depot(file, size)
     if demands[depot]:
-        raise InputError(
-            f"the depot has demand {demands[depot]}", field="DEMAND_SECTION", mend="make it 0"
+        raise file.sections["DEMAND"].error(
+            f"the depot has demand {float(demands[depot]):g}", "make it 0", rows[depot], 1
         )
-    reference = _reference(path, str(specs.get("comment", "")))
-    warehouse, places = _warehouse(specs, size, depot, weights, reference)
+    own, notes = reference_in_comment(file.text("COMMENT"))
+    file.notes.extend(notes)
+    places = places_of(file, size, depot, own, rounding)
+    clients = [node for node in range(size) if node != depot]
     items = tuple(
-        Item(str(i + 1), exact(demands[node], field="DEMAND_SECTION"), places[node])
-        for i, node in enumerate(node for node in range(size) if node != depot)
+        Item(str(i + 1), demands[node], places.nodes[node]) for i, node in enumerate(clients)
     )
-    count = 1 if robots_follow else _count(path, specs)
-    load = _capacity(specs) if capacity is None else capacity
-    return Instance(
-        warehouse=warehouse,
-        items=items,
-        orders=tuple(Order(item.id, (item.id,)) for item in items),
-        robots=tuple(Robot(f"R{k + 1}", load) for k in range(count)),
-        name=_printable(specs.get("name", "")) or path.stem,
-        comment=_printable(specs.get("comment", "")),
-        reference=reference,
-    )
+    count = 1 if robots_follow else _count(path, file)
+    load = _capacity(file) if capacity is None else capacity
+
+    def make() -> Instance:
+        return Instance(
+            warehouse=places.warehouse,
+            items=items,
+            orders=tuple(Order(item.id, (item.id,)) for item in items),
+            robots=tuple(Robot(f"R{k + 1}", load) for k in range(count)),
+            name=_name(file) or path.stem,
+            comment=_printable(file.text("COMMENT")),
+            reference=_reference(path, file, own, places.whole),
+            remarks=tuple(file.notes),
+        )
+
+    def where(field: str) -> str:
+        return _where(file, rows, clients, field)
+
+    return checked(make, where)
 
 
-def read_solution(path: StrPath) -> tuple[list[list[int]], float]:
-    """Return the routes of a ``.sol`` file, as numbers of clients, and its cost.
-
-    Raises
-    ------
-    InputError
-        When the file is no solution.
-    """
-    import vrplib.parse
-
-    text = read_text(path, fallback="latin-1")
-    source = str(path)
-    try:
-        data: dict[str, Any] = vrplib.parse.parse_solution(text)
-    except Exception:  # vrplib raises whatever its first broken line leads to
-        raise InputError(
-            "is not a solution", source=source, mend="give lines such as 'Route #1: 3 1 2'"
-        ) from None
-    cost = data.get("cost")
-    if not data["routes"] or not isinstance(cost, int | float):
-        missing = "Cost" if data["routes"] else "Route"
-        raise InputError("is missing", source=source, field=missing, mend="give routes and cost")
-    return [list(route) for route in data["routes"]], float(cost)
+def _where(file: Tsplib, rows: list[int], clients: list[int], field: str) -> str:
+    """Return the place in the file of what the domain calls ``items[3].weight``."""
+    found = re.match(r"items\[(\d+)\]", field)
+    if found is None:
+        return field
+    return file.sections["DEMAND"].where(rows[clients[int(found[1])]], 1)
 
 
-def _parse(text: str) -> tuple[Specs, list[float] | None]:
-    import vrplib.parse
-
-    rest, weights = check_sections(text)
-    try:
-        specs: Specs = vrplib.parse.parse_vrplib(rest, compute_edge_weights=False)
-    except Exception as error:  # whatever the first broken line leads to
-        why = str(error).rstrip(".") or type(error).__name__
-        raise InputError(
-            f"is not in VRPLIB format ({why:.80})", mend="check it against TSPLIB 95"
-        ) from None
-    if str(specs.get("type", "CVRP")).upper() != "CVRP":
-        raise InputError(f"{specs['type']!s:.40} is not planned", field="TYPE", mend="give a CVRP")
-    for name in ("distance", "max_distance", "service_time"):
-        if specs.get(name):
-            raise InputError(
-                f"{specs[name]!s:.40} is a limit that qRobot does not plan for",
-                field=name.upper(),
-                mend="give a CVRP with capacities only",
+def _check_known(file: Tsplib) -> None:
+    """Refuse what changes the question, note what only describes the file."""
+    for field in file.fields.values():
+        if field.name in _READ | _WITHOUT_MEANING:
+            continue
+        if field.name in _DESCRIBING:
+            file.notes.append(f"the field {field.name} (line {field.line}) is not read")
+        elif field.name not in _ZERO_IS_NONE or not re.fullmatch(r"0+(\.0*)?", field.value):
+            raise field.error(
+                f"{field.value:.40} asks for something that qRobot does not plan for",
+                "give a CVRP with capacities only, or remove the field if plans may ignore it",
             )
-    return specs, weights
+    for section in file.sections.values():
+        if section.name not in _SECTIONS:
+            raise section.error("is more than qRobot plans for", "give a CVRP with capacities only")
+    kind = (file.text("TYPE").upper().split() or ["CVRP"])[0]
+    if kind not in ("CVRP", "ACVRP"):
+        raise file.fields["TYPE"].error(f"{kind:.40} is not planned", "give a CVRP or an ACVRP")
 
 
-def _whole(specs: Specs, name: str, *, least: int, most: int) -> int:
-    value = specs.get(name.lower())
-    if value is None:
+def _whole(file: Tsplib, name: str, *, most: int) -> int:
+    if name not in file.fields:
         raise InputError("is missing", field=name, mend="add it; the file may be cut off")
-    if not isinstance(value, int) or not least <= value <= most:
-        raise InputError(
-            f"{value!s:.40} is not a whole number from {least} to {most}",
-            field=name,
-            mend="correct it" if not isinstance(value, int) or value < least else "plan in waves",
+    field = file.fields[name]
+    whole = re.fullmatch(r"[0-9]{1,12}", field.value)
+    if whole is None or not 1 <= int(field.value) <= most:
+        large = whole is not None and int(field.value) > most
+        raise field.error(
+            f"{field.value:.40} is not a whole number from 1 to {most}",
+            "plan in waves" if large else "correct it",
         )
-    return value
+    return int(field.value)
 
 
-def _section(specs: Specs, name: str, size: int) -> npt.NDArray[Any]:
-    """Return the rows of a section, without node numbers, as many as there are nodes."""
-    if name.lower() not in specs:
-        raise InputError(
-            "is missing", field=f"{name}_SECTION", mend="add it; the file may be cut off"
-        )
-    rows = np.asarray(specs[name.lower()])
-    if len(rows) != size:
-        raise InputError(
-            f"{len(rows)} nodes where DIMENSION says {size}",
-            field=f"{name}_SECTION",
-            mend="correct DIMENSION, or complete the section (the file may be cut off)",
-        )
-    return rows
+def _demands(file: Tsplib, size: int) -> tuple[list[Fraction], list[int]]:
+    words, rows = file.nodes("DEMAND", size, 2)
+    demands = []
+    for (_, word), row in zip(words, rows, strict=True):
+        try:
+            demand = exact(word, field="")
+        except InputError as error:
+            raise file.sections["DEMAND"].error(
+                error.problem, error.mend or "correct it", row, 1
+            ) from None
+        if demand < 0:
+            raise file.sections["DEMAND"].error(
+                f"the demand {word:.40} is negative", "use zero or more", row, 1
+            )
+        demands.append(demand)
+    return demands, rows
 
 
-def _depot(specs: Specs, size: int) -> int:
-    found = np.asarray(specs.get("depot", [])).ravel().tolist()
-    if len(found) != 1:
-        raise InputError(
-            f"{len(found)} depots where one belongs" if found else "names no depot",
-            field="DEPOT_SECTION",
-            mend="give one node, then -1",
-        )
-    if found[0] not in range(size):
-        raise InputError(
-            f"{found[0] + 1} is not a node", field="DEPOT_SECTION", mend=f"use 1 to {size}"
-        )
-    return int(found[0])
+def _depot(file: Tsplib, size: int) -> int:
+    mend = "give one node, then -1"
+    if "DEPOT" not in file.sections:
+        raise InputError("is missing", field="DEPOT_SECTION", mend=mend)
+    section = file.sections["DEPOT"]
+    numbers = section.stream().tolist()
+    depots = numbers[: numbers.index(-1.0)] if -1.0 in numbers else numbers
+    if not depots:
+        raise section.error("names no depot", mend)
+    if len(depots) > 1:
+        raise section.error(f"{len(depots)} depots where one belongs", mend)
+    if len(numbers) > 2:
+        raise section.error_at(2, "a number stands behind -1", mend)
+    if depots[0] not in range(1, size + 1):
+        raise section.error_at(0, f"{depots[0]:g} is not a node", f"use 1 to {size}")
+    return int(depots[0]) - 1
 
 
-def _capacity(specs: Specs) -> Fraction:
-    if "capacity" not in specs:
+def _capacity(file: Tsplib) -> Fraction:
+    if "CAPACITY" not in file.fields:
         raise InputError("is missing", field="CAPACITY", mend="add it, or give --capacity")
-    capacity = exact(specs["capacity"], field="CAPACITY")
+    field = file.fields["CAPACITY"]
+    try:
+        capacity = exact(field.value, field="")
+    except InputError as error:
+        raise field.error(error.problem, error.mend or "correct it") from None
     if capacity <= 0:
-        raise InputError(
-            f"{specs['capacity']} is not positive", field="CAPACITY", mend="correct it"
-        )
+        raise field.error(f"{field.value} is not positive", "correct it")
     return capacity
 
 
-def _count(path: Path, specs: Specs) -> int:
+def _count(path: Path, file: Tsplib) -> int:
     """Return the number of vehicles: VEHICLES, comment, name, file name, in this sequence."""
-    if "vehicles" in specs:
-        return _whole(specs, "VEHICLES", least=1, most=MAX_ITEMS)
-    comment, name = str(specs.get("comment", "")), str(specs.get("name", ""))
+    if "VEHICLES" in file.fields:
+        return _whole(file, "VEHICLES", most=MAX_ITEMS)
+    comment, name = file.text("COMMENT"), file.text("NAME")
     for pattern, text in ((_TRUCKS, comment), (r"-k(\d{1,6})", name), (r"-k(\d{1,6})", path.stem)):
         found = re.search(pattern, text)
         if found and 1 <= int(found[1]) <= MAX_ITEMS:
@@ -216,73 +226,28 @@ def _count(path: Path, specs: Specs) -> int:
     )
 
 
-def _reference(path: Path, comment: str) -> float | None:
+def _reference(path: Path, file: Tsplib, own: float | None, whole: bool) -> float | None:
     """Return the least value that the comment or a solution beside the file knows."""
-    known = [float(found[1]) for found in [_BEST.search(comment)] if found]
-    for ending in (".opt.sol", ".sol", ".bst.sol"):
-        beside = path.with_name(path.stem + ending)
-        if beside.is_file():
-            try:
-                known.append(read_solution(beside)[1])
-            except InputError:
-                continue  # no answer is needed to read a question
-    return min(known, default=None)
-
-
-def _warehouse(
-    specs: Specs, size: int, depot: int, weights: list[float] | None, reference: float | None
-) -> tuple[Warehouse, list[Place]]:
-    """Return where things stand, and the place of every node."""
-    kind = str(specs.get("edge_weight_type", "EXPLICIT" if weights else "")).upper()
-    positions = None
-    if kind != "EXPLICIT" or "node_coord" in specs:
-        positions = _section(specs, "NODE_COORD", size).astype(np.float64)
-    if kind in ("EUC_2D", "MAN_2D"):
-        assert positions is not None
-        # Sets whose values are fractions (CMT, Golden) were never rounded.
-        whole = reference is None or reference.is_integer()
-        x, y = positions[depot].tolist()
-        metric = "euclidean" if kind == "EUC_2D" else "manhattan"
-        floor = OpenFloor(x, y, metric, "nearest" if whole else "none")  # type: ignore[arg-type]
-        return floor, [Point(x, y) for x, y in positions.tolist()]
-    matrix = _matrix(specs, kind, size, weights, positions)
-    drawn = None if positions is None else tuple((x, y) for x, y in positions.tolist())
-    try:
-        table = DistanceTable(tuple(map(tuple, matrix.tolist())), depot, drawn)
-    except InputError as error:
-        field = f"EDGE_WEIGHT_SECTION: {error.field}"
-        raise InputError(error.problem, field=field, mend=error.mend) from None
-    return table, [Node(i) for i in range(size)]
-
-
-def _matrix(
-    specs: Specs,
-    kind: str,
-    size: int,
-    weights: list[float] | None,
-    positions: npt.NDArray[np.float64] | None,
-) -> npt.NDArray[np.float64]:
-    if kind == "EXPLICIT":
-        if weights is None:
-            raise InputError("is missing", field="EDGE_WEIGHT_SECTION", mend="add it")
-        return square_matrix(weights, str(specs.get("edge_weight_format", "")).upper(), size)
-    rounded: dict[str, Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]]] = {
-        "CEIL_2D": np.ceil,
-        "FLOOR_2D": np.floor,
-        "EXACT_2D": lambda lengths: np.floor(1000 * lengths + 0.5),
-    }
-    if kind not in rounded:
-        raise InputError(
-            f"{kind:.40} is not known" if kind else "is missing",
-            field="EDGE_WEIGHT_TYPE",
-            mend=f"use EUC_2D, MAN_2D, EXPLICIT, {', '.join(rounded)}",
+    beside, notes = reference_beside(path)
+    file.notes.extend(notes)
+    known = beside if own is None else [own, *beside]
+    if whole and any(value.is_integer() for value in known):
+        known = [value for value in known if value.is_integer()]
+    least = min(known, default=None)
+    if whole and least is not None and not least.is_integer():
+        file.notes.append(
+            f"the reference {least:g} is not whole, but distances are rounded to whole numbers "
+            "(rounding none leaves them as they are)"
         )
-    assert positions is not None
-    steps = positions[:, None, :] - positions[None, :, :]
-    # A root of the sum, not hypot: exact for whole squares, which ceil and floor need.
-    lengths = np.sqrt((steps**2).sum(axis=2))
-    return np.asarray(rounded[kind](lengths), dtype=np.float64)
+    return least
 
 
-def _printable(value: object) -> str:
-    return "".join(c for c in str(value) if c.isprintable())[:200].strip()
+def _name(file: Tsplib) -> str:
+    name = " ".join(file.text("NAME").split())[:200]
+    if (hidden := first_invisible(name)) is not None:
+        raise file.fields["NAME"].error(f"holds the invisible character {hidden}", "remove it")
+    return name
+
+
+def _printable(text: str) -> str:
+    return "".join(c for c in text if c.isprintable())[:200].strip()

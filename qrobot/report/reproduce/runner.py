@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from qrobot._files import read_text, write_text_atomic
+from qrobot._json import json_text
 from qrobot.errors import InputError, MissingExtraError, QRobotError
 from qrobot.report.machine import machine
 from qrobot.report.reproduce.faces import write_tables
@@ -238,4 +239,4 @@ _MATTERS = ("reads", "seed")
 
 def _save(report: dict[str, Any], folder: Path, *, plots: bool = False) -> None:
     report["notes"] = list(dict.fromkeys([*report["notes"], *write_tables(report, folder, plots)]))
-    write_text_atomic(folder / "reproduce.json", json.dumps(report, indent=1) + "\n")
+    write_text_atomic(folder / "reproduce.json", json_text(report, indent=1) + "\n")
