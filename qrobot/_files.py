@@ -21,6 +21,7 @@ __all__ = [
     "NO_PERMISSION",
     "StrPath",
     "read_text",
+    "refusal",
     "write_bytes_atomic",
     "write_text_atomic",
 ]
@@ -86,7 +87,7 @@ def read_text(path: StrPath, *, fallback: str | None = None) -> str:
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         if isinstance(error, InputError):
             raise
-        raise _refusal("read", source, error) from None
+        raise refusal("read", source, error) from None
     return _decoded(data, source, fallback)
 
 
@@ -136,7 +137,7 @@ def write_bytes_atomic(path: StrPath, data: bytes) -> None:
     try:
         _write(Path(source), data)
     except (OSError, RuntimeError, ValueError) as error:
-        raise _refusal("write", source, error) from None
+        raise refusal("write", source, error) from None
 
 
 def _write(path: Path, data: bytes) -> None:
@@ -180,7 +181,8 @@ def _flush_folder(folder: Path) -> None:
             os.close(descriptor)
 
 
-def _refusal(verb: str, source: str, error: Exception) -> InputError:
+def refusal(verb: str, source: str, error: Exception) -> InputError:
+    """Return what a user is told when a file cannot be read or written, with the mend."""
     code = error.errno if isinstance(error, OSError) else None
     why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     mend = _MENDS.get(code or 0, "check the path and the disk")

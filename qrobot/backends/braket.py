@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot.backends.braket_cloud import TaskEngine, check_fit
+from qrobot.backends.sampler import Parameter
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.circuit import Circuit
 from qrobot.backends.variational.devices import arn_of
@@ -135,13 +136,12 @@ class _Braket(VariationalSampler):
 
     sdk = "braket"
     extra = "braket"
-    own: ClassVar[tuple[str, ...]] = ("run_options",)
+    own: ClassVar[dict[str, Parameter]] = {"run_options": Parameter("names")}
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
+        del own
         _need("braket.circuits", f"backend {self.name}")
-        if not isinstance(own.get("run_options"), dict | None):
-            raise InputError("sets nothing", field="run_options", mend="give options by name")
         device = options.device or "local"
         if device in ("local", "braket_sv"):
             room(qubits, "Braket's local simulator")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import click
 
 from qrobot.cli.options import FILE, Robots
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
@@ -51,7 +51,7 @@ def command(
     )
     report = check(answer, question)
     if as_json:
-        click.echo(json.dumps(report.to_dict(), indent=1, ensure_ascii=False))
+        say_json(report.to_dict())
     else:
-        click.echo(str(report))
+        say(str(report))
     sys.exit(0 if report.ok else 1)

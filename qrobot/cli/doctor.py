@@ -7,6 +7,8 @@ import sys
 
 import click
 
+from qrobot.cli.streams import say
+
 __all__ = ["command"]
 
 
@@ -28,5 +30,5 @@ def command(as_json: bool) -> None:
 
     data = inventory()
     text = json.dumps(data, indent=1) if as_json else inventory_text(data)
-    click.echo(redact(text))
+    say(redact(text))
     sys.exit(1 if data["problems"] else 0)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import click
 
 from qrobot.cli.options import FILE, Robots
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
@@ -71,10 +70,10 @@ def command(
     )
     report = {"path": output} | export_model(question, output, encoding, slack)
     if as_json:
-        click.echo(json.dumps(report, indent=1, ensure_ascii=False))
+        say_json(report)
         return
     held = f", {report['constraints']} constraints" if report["constraints"] else ""
-    click.echo(
+    say(
         f"written: {output} ({report['encoding']}: {report['variables']} variables, "
         f"{report['couplings']} couplings{held})"
     )

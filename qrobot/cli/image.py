@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 
 import click
 
 from qrobot.cli.options import FILE
-from qrobot.cli.streams import say
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
@@ -135,7 +134,7 @@ def seed_(
             "instance_id": written.instance_id,
             "changed": [str(path) for path in written.changed],
         }
-        say(json.dumps(report, indent=1))
+        say_json(report)
         return
     for path in written.files:
         say(f"{'written' if path in written.changed else 'unchanged'}: {path}")

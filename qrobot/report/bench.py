@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from qrobot._children import import_path
+from qrobot._children import child_environment
 from qrobot._files import write_text_atomic
 from qrobot.errors import InputError
 from qrobot.report.machine import machine
@@ -183,9 +183,9 @@ def tasks(
 
 def _rule(text: str) -> tuple[str, int | str]:
     pattern, _, number = text.partition("=")
-    if pattern and number == "free":
+    if pattern and number.lower() == "free":
         return pattern, "free"
-    if pattern and number.isdigit() and int(number) > 0:
+    if pattern and number.isascii() and number.isdigit() and int(number) > 0:
         return pattern, int(number)
     raise InputError(
         f"{text!r} is no rule", field="--robots-for", mend="write it like 'X-*=free' or 'A-*=5'"
@@ -250,9 +250,10 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
                     *(sys.executable, "-P", "-m", "qrobot.report.bench_worker"),
                     *(json.dumps(asdict(task)), str(os.getpid())),
                 ],
-                env=os.environ | {"PYTHONPATH": import_path()},
+                env=child_environment(),
                 capture_output=True,
-                text=True,
+                encoding="utf-8",
+                errors="replace",
                 timeout=limit,
                 check=False,
                 start_new_session=True,  # Ctrl-C is for us: a run cut short is no row
