@@ -18,7 +18,17 @@ from qrobot.errors import InputError
 __all__ = ["Parameter", "near"]
 
 Kind = Literal[
-    "whole", "number", "numbers", "pairs", "flag", "choice", "text", "names", "function", "any"
+    "whole",
+    "number",
+    "numbers",
+    "pairs",
+    "flag",
+    "choice",
+    "text",
+    "names",
+    "function",
+    "object",
+    "any",
 ]
 
 
@@ -35,7 +45,8 @@ class Parameter:
     kind
         ``whole`` and ``number`` (finite), ``numbers`` (a list of them), ``pairs`` (a list of
         lists of two numbers), ``flag`` (true or false), ``choice`` (one of `choices`), ``text``,
-        ``names`` (values by name), ``function``, or ``any``, which its sampler judges.
+        ``names`` (values by name), ``function``, ``object`` (only those of `also`), or ``any``,
+        which its sampler judges.
     least, most
         Range of a number, or of each of several.
     above
@@ -92,6 +103,7 @@ class Parameter:
             "text": "text",
             "names": "values by name",
             "function": "a function",
+            "object": f"a {' or '.join(one.__name__ for one in self.also)}",
             "any": "usable",
         }
         return words[self.kind]
@@ -128,7 +140,7 @@ class Parameter:
                 return isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
             case "function":
                 return callable(value)
-        return True
+        return self.kind == "any"
 
     def _is_number(self, value: Any) -> bool:
         kind = numbers.Integral if self.kind == "whole" else numbers.Real
@@ -136,8 +148,8 @@ class Parameter:
             return False
         try:
             number = float(value)
-        except OverflowError:  # a whole number beyond all floats
-            return self.kind == "whole" and int(value) > 0 and self.most is None
+        except OverflowError:  # beyond all floats
+            return False
         if not math.isfinite(number):
             return False
         least = -math.inf if self.least is None else self.least

@@ -88,7 +88,7 @@ def _checked(sample: Callable[..., Any]) -> Callable[..., Any]:
     def checked(self: PickingSampler, bqm: Any, *rest: Any, **parameters: Any) -> Any:
         if not isinstance(bqm, dimod.BinaryQuadraticModel):
             raise InputError(
-                f"a {type(bqm).__name__} is not a binary quadratic model",
+                f"an object of class {type(bqm).__name__} is not a binary quadratic model",
                 field="bqm",
                 mend=_other_model(bqm),
             )

@@ -22,7 +22,9 @@ def _usual() -> dict[int, Any]:
     ``nohup`` ignores the hangup, and that stays. A shell's background jobs start with Ctrl-C
     ignored; `kill -INT` must still reach them.
     """
-    found: dict[int, Any] = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    found: dict[int, Any] = {
+        number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)
+    }
     if HANGUP is not None and (handler := signal.getsignal(HANGUP)) != signal.SIG_IGN:
         found[HANGUP] = handler
     return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -180,18 +179,20 @@ def command(
 def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) -> Exception | None:
     """Write the plan and its pictures, all that can be; return the first error."""
     from qrobot.errors import QRobotError
-    from qrobot.report import plot
 
-    trouble: Exception | None = None
-    for path, write in (
-        *((path, result.save) for path in output),
-        *((path, partial(plot, result)) for path in picture),
-    ):
-        try:
-            write(path)
-        except QRobotError as error:
-            trouble = trouble or error
-    return trouble
+    def draw(path: str) -> None:
+        from qrobot.report import plot
+
+        plot(result, path)
+
+    troubles: list[Exception] = []
+    for paths, write in ((output, result.save), (picture, draw)):
+        for path in paths:
+            try:
+                write(path)
+            except QRobotError as error:
+                troubles.append(error)
+    return troubles[0] if troubles else None
 
 
 def _refuse(flag: str, options: dict[str, Any]) -> None:

@@ -16,6 +16,7 @@ from qrobot.models.model import build_model
 from qrobot.models.penalties import Encoding
 from qrobot.models.slack import Slack
 from qrobot.problem import Instance
+from qrobot.problem.formats import instance_of
 
 __all__ = ["FORMATS", "coordinates", "export_model", "format_of"]
 
@@ -42,7 +43,7 @@ def format_of(path: StrPath) -> str:
 
 
 def export_model(
-    instance: Instance,
+    instance: Instance | StrPath,
     path: StrPath,
     encoding: str | None = None,
     slack: str | None = None,
@@ -52,7 +53,7 @@ def export_model(
     Parameters
     ----------
     instance
-        The question.
+        The question, or the path of its file.
     path
         ``.lp``: the constrained model, from docplex. ``.bqm.json`` or ``.json``: the
         penalty form, to be read by `dimod.BinaryQuadraticModel.from_serializable`.
@@ -81,6 +82,7 @@ def export_model(
         When docplex is needed and not installed.
     """
     kind = format_of(path)
+    instance = instance_of(instance)
     if kind == "lp":
         return {"format": kind} | _write_lp(instance, path, encoding or "reduced", slack)
     model = build_model(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from qrobot._files import NO_PERMISSION, StrPath, read_text
+from qrobot._files import NO_PERMISSION, StrPath
 from qrobot.errors import InputError
-from qrobot.plan import Plan
+from qrobot.plan import read_plan
 
 __all__ = ["check_outputs", "check_writable", "read_plan"]
 
@@ -64,28 +63,3 @@ def check_outputs(outputs: Sequence[StrPath], inputs: Sequence[StrPath] = ()) ->
         if real in taken and not real.startswith("/dev/"):
             raise InputError(taken[real], source=os.fspath(path), mend="give another name")
         taken[real] = "is written twice"
-
-
-def read_plan(path: StrPath) -> Plan:
-    """Read a plan that `Result.save` or ``qrobot solve --output`` wrote.
-
-    Raises
-    ------
-    InputError
-        When the file is no plan.
-    """
-    source = os.fspath(path)
-    try:
-        data = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"is no JSON: {error.msg}",
-            source=source,
-            field=f"line {error.lineno}, column {error.colno}",
-            mend="give a plan that qrobot wrote",
-        ) from None
-    except RecursionError:
-        raise InputError(
-            "is nested too deeply", source=source, mend="give a plan that qrobot wrote"
-        ) from None
-    return Plan.from_dict(data, source=source)

@@ -194,7 +194,7 @@ def test_output_into_a_small_full_file_system(tmp_path: Path) -> None:
         subprocess.run(["umount", str(small)], check=True)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupt_keeps_the_best_plan(number: signal.Signals, tmp_path: Path) -> None:
     plan = tmp_path / "plan.json"
     question = EXAMPLES / "small-warehouse.json"

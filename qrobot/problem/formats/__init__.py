@@ -18,7 +18,7 @@ from qrobot.problem.instance import Instance
 from qrobot.problem.shipped import example_path
 from qrobot.problem.units import exact
 
-__all__ = ["read", "write"]
+__all__ = ["instance_of", "read", "write"]
 
 
 def read(
@@ -56,6 +56,8 @@ def read(
     InputError
         One sentence with file, field, value and mend.
     """
+    if not isinstance(path, (str, os.PathLike)):  # of an annotation nobody had to keep
+        raise _not("a path", path, mend="give the path of a file as text")
     path = example_path(path) or path
     try:
         instance = _read_file(path, layout, robots, capacity)
@@ -124,7 +126,27 @@ def _unknown(path: StrPath) -> InputError:
     return InputError(f"unsupported format ({shown})", mend="give a .json, .csv or .vrp file")
 
 
-def write(instance: Instance, path: StrPath) -> None:
+def instance_of(question: Instance | StrPath) -> Instance:
+    """Return an instance as it is, or the one of a file.
+
+    Raises
+    ------
+    InputError
+        When it is neither, or the file cannot be read.
+    """
+    if isinstance(question, Instance):
+        return question
+    if isinstance(question, str | os.PathLike):
+        return read(question)
+    mend = "give what qrobot.read returns, or the path of a file that it reads"
+    raise _not("an instance", question, mend)
+
+
+def _not(what: str, value: object, mend: str) -> InputError:
+    return InputError(f"an object of class {type(value).__name__} is not {what}", mend=mend)
+
+
+def write(instance: Instance | StrPath, path: StrPath) -> None:
     """Write an instance as native JSON, whole or not at all.
 
     An instance with split orders is written as what it asks: every item its own order.
@@ -136,4 +158,4 @@ def write(instance: Instance, path: StrPath) -> None:
     """
     from qrobot.problem.formats.native_writer import to_text
 
-    write_text_atomic(path, to_text(instance))
+    write_text_atomic(path, to_text(instance_of(instance)))
