@@ -50,4 +50,4 @@ def _text(value: object) -> str:
     text = text if len(text) <= LONGEST else f"{text[:LONGEST]} ..."
     # A notebook is UTF-8: a name that is not must not keep it from being saved.
     plain = text.encode("utf-8", "backslashreplace").decode()
-    return escape(plain).replace("\n", "<br>")
+    return escape(plain).replace("\n", "<br/>")

@@ -12,6 +12,8 @@ from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
+STATES = ("submitting", "queued", "running", "done", "failed", "cancelled")
+
 
 @click.group("jobs")
 def command() -> None:
@@ -29,7 +31,7 @@ def command() -> None:
 
 
 @command.command("list")
-@click.option("--state", help="Only submitting, queued, running, done, failed or cancelled.")
+@click.option("--state", type=click.Choice(STATES), help="Only jobs in this state.")
 @click.option("--backend", help="Only jobs of this backend.")
 @click.option("--refresh", is_flag=True, help="Ask the services first.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
@@ -107,6 +109,8 @@ def forget_(days: float) -> None:
     from qrobot.remote import JobStore
 
     if not 0 <= days < float("inf"):
-        raise InputError(f"{days:g} is no age", field="--days", mend="give 0 or more days")
+        raise InputError(
+            f"{days:g} is not an age in days", field="--days", mend="give 0 or more days"
+        )
     with JobStore() as store:
         say(f"{store.prune(days)} jobs are forgotten")

@@ -206,13 +206,13 @@ class Plan:
         path = ""
         try:
             trips = []
-            for i, t in enumerate(data["trips"]):
+            for i, t in enumerate(_list(data["trips"])):
                 path = f"trips[{i}]"
                 trips.append(
                     Trip(
                         robot=_text(t["robot"]),
-                        orders=tuple(_text(o) for o in t["orders"]),
-                        stops=tuple(_text(s) for s in t["stops"]),
+                        orders=tuple(map(_text, _list(t["orders"]))),
+                        stops=tuple(map(_text, _list(t["stops"]))),
                         distance=_number(t["distance"]),
                         load=_number(t["load"]),
                         seconds=_number(t.get("seconds", 0.0)),
@@ -243,6 +243,12 @@ def _text(value: Any) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{value!r} is not text")
     return value
+
+
+def _list(value: Any) -> list[Any]:
+    if not isinstance(value, list | tuple):
+        raise TypeError(f"{value!r} is not a list")
+    return list(value)
 
 
 def _number(value: Any) -> float:

@@ -195,7 +195,11 @@ SHARED_OPTIONS = ("encoding", "slack", "penalties", "num_reads", "seed")
 
 def _check_fallback(name: str) -> None:
     """Refuse a fallback that may fail like the backend it stands for."""
-    if name != "auto" and not get(name).capabilities.local:
+    try:
+        chosen = None if name == "auto" else get(name)
+    except InputError as error:
+        raise InputError(error.problem, field="fallback", mend=error.mend) from None
+    if chosen is not None and not chosen.capabilities.local:
         raise InputError(
             f"backend {name} is remote itself", field="fallback", mend="name a local one, as auto"
         )

@@ -95,7 +95,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     root = Path(folder)
     if not root.is_dir():
         raise InputError(
-            "is no folder", source=os.fspath(folder), mend="give a folder of instances"
+            "is not a folder", source=os.fspath(folder), mend="give a folder of instances"
         )
     found = sorted(
         path
@@ -188,7 +188,7 @@ def _rule(text: str) -> tuple[str, int | str]:
     if pattern and number.isascii() and number.isdigit() and int(number) > 0:
         return pattern, int(number)
     raise InputError(
-        f"{text!r} is no rule", field="--robots-for", mend="write it like 'X-*=free' or 'A-*=5'"
+        f"{text!r} is not a rule", field="--robots-for", mend="write it like 'X-*=free' or 'A-*=5'"
     )
 
 

@@ -22,6 +22,12 @@ def check_writable(path: StrPath) -> None:
         When the folder is missing, it or the file may not be written, or the path is a
         folder.
     """
+    if os.fspath(path) == "-":
+        raise InputError(
+            "names no file",
+            source="-",
+            mend="use /dev/stdout for the standard output, or ./- for a file of this name",
+        )
     target = Path(path)
     folder = target.parent
     if target.is_dir():
