@@ -132,3 +132,11 @@ def test_unknown_fields_are_passed_over_by_both() -> None:
     more["trips"][0]["picker"] = "Mira"
     VALIDATOR.validate(more)
     assert Plan.from_dict(more) == Plan.from_dict(WRITTEN)
+
+
+def test_the_example_of_the_page_is_valid() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()
+    section = page[page.index("## Plans and results") :]
+    text = section.split("```json\n")[1].split("```")[0]
+    VALIDATOR.validate(json.loads(text))
+    assert Plan.from_dict(json.loads(text)).trips[0].stops
