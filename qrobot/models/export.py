@@ -10,7 +10,7 @@ from typing import Any, cast
 import dimod
 import numpy as np
 
-from qrobot._files import StrPath, write_text_atomic
+from qrobot._files import StrPath, path_text, write_text_atomic
 from qrobot.errors import InputError
 from qrobot.models.model import build_model
 from qrobot.models.penalties import Encoding
@@ -32,7 +32,7 @@ def format_of(path: StrPath) -> str:
     InputError
         When the ending is another.
     """
-    ending = os.path.splitext(os.fspath(path))[1].lower()
+    ending = os.path.splitext(path_text(path))[1].lower()
     if ending not in FORMATS:
         raise InputError(
             f"the ending {ending!r} names no format",

@@ -81,6 +81,14 @@ def test_anything_else_is_refused_by_every_function(wrong: Any, tmp_path: Path) 
         assert "qrobot.read" in told
     assert "is not a plan" in refusal(qrobot.check, wrong, instance)
     assert "is not a path" in refusal(qrobot.read, wrong)
+    for function in (
+        solve(instance, backend="exact").save,
+        lambda path: qrobot.write(instance, path),
+        lambda path: export_model(instance, path),
+        lambda path: qrobot.plot(plan, path, instance),
+    ):
+        assert "is not a path" in refusal(function, wrong)
+    assert "is empty" in refusal(qrobot.read, "")
     assert not list(tmp_path.iterdir())
 
 

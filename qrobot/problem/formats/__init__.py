@@ -12,7 +12,7 @@ from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 
-from qrobot._files import StrPath, write_text_atomic
+from qrobot._files import StrPath, path_text, write_text_atomic
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
 from qrobot.problem.shipped import example_path
@@ -56,9 +56,7 @@ def read(
     InputError
         One sentence with file, field, value and mend.
     """
-    if not isinstance(path, (str, os.PathLike)):  # of an annotation nobody had to keep
-        raise _not("a path", path, mend="give the path of a file as text")
-    path = example_path(path) or path
+    path = example_path(path_text(path)) or path
     try:
         instance = _read_file(path, layout, robots, capacity)
         # Found out now, while the file's name is at hand to tell.
@@ -138,12 +136,10 @@ def instance_of(question: Instance | StrPath) -> Instance:
         return question
     if isinstance(question, str | os.PathLike):
         return read(question)
-    mend = "give what qrobot.read returns, or the path of a file that it reads"
-    raise _not("an instance", question, mend)
-
-
-def _not(what: str, value: object, mend: str) -> InputError:
-    return InputError(f"an object of class {type(value).__name__} is not {what}", mend=mend)
+    raise InputError(
+        f"an object of class {type(question).__name__} is not an instance",
+        mend="give what qrobot.read returns, or the path of a file that it reads",
+    )
 
 
 def write(instance: Instance | StrPath, path: StrPath) -> None:
