@@ -110,16 +110,12 @@ class Parameter:
 
     @property
     def _range(self) -> str:
-        high = "" if self.most is None else f" of at most {self.most:g}"
-        if self.least is None:
-            return high
+        least, most = (None if end is None else f"{end:.15g}" for end in (self.least, self.most))
+        if least is None:
+            return "" if most is None else f" of at most {most}"
         if self.above:
-            return f" above {self.least:g}{high.replace('of', 'and')}"
-        return (
-            f" of {self.least:g} or more"
-            if self.most is None
-            else (f" from {self.least:g} to {self.most:g}")
-        )
+            return f" above {least}" + ("" if most is None else f" and at most {most}")
+        return f" of {least} or more" if most is None else f" from {least} to {most}"
 
     def _takes(self, value: Any) -> bool:
         match self.kind:

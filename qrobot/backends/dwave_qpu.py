@@ -50,7 +50,7 @@ class DWaveQPUSampler(DWaveCloudSampler):
     accepts: Mapping[str, Parameter] = {
         "num_reads": COMMON["num_reads"],
         "seed": COMMON["seed"],
-        "device": Parameter("text"),
+        "device": Parameter("text", also=(Mapping,)),
         "annealing_time": Parameter("number", 0, above=True),
         "anneal_schedule": Parameter("pairs"),
         "answer_mode": Parameter("choice", choices=("histogram", "raw")),

@@ -23,7 +23,7 @@ class LeapBQMSampler(DWaveCloudSampler):
     title = "D-Wave Leap hybrid BQM"
     accepts: Mapping[str, Parameter] = {
         "time_limit": Parameter("number", 0, above=True),
-        "device": Parameter("text"),
+        "device": Parameter("text", also=(Mapping,)),
         **LIMITS,
     }
 

@@ -52,8 +52,8 @@ class NealSampler(PickingSampler):
     capabilities = Capabilities(kind="sampler", max_size=5_000)
     accepts: Mapping[str, Parameter] = {
         **COMMON,
-        "num_sweeps": Parameter("whole", 1),
-        "num_sweeps_per_beta": Parameter("whole", 1, optional=False),
+        "num_sweeps": Parameter("whole", 1, 10**8),
+        "num_sweeps_per_beta": Parameter("whole", 1, 10**8, optional=False),
         "beta_range": Parameter("numbers", 0, length=2),
         "beta_schedule": Parameter("numbers", 0),
         "beta_schedule_type": Parameter("choice", choices=SCHEDULES, optional=False),

@@ -41,13 +41,13 @@ class StatevectorSampler(PickingSampler):
     accepts: Mapping[str, Parameter] = {
         **COMMON,
         "num_reads": Parameter("whole", 1, optional=False),
-        "layers": Parameter("whole", 1, optional=False),
+        "layers": Parameter("whole", 1, 1000, optional=False),
         "alpha": Parameter("number", 0, 1, above=True, optional=False),
         "evaluations": Parameter("whole", 0, optional=False),
         "gammas": Parameter("numbers"),
         "betas": Parameter("numbers"),
         "precision": Parameter("choice", choices=("double", "single"), optional=False),
-        "threads": Parameter("whole", 1),
+        "threads": Parameter("whole", 1, 256),
         "engine": Parameter("choice", choices=("auto", "numba", "numpy"), optional=False),
     }
     properties: ClassVar[dict[str, Any]] = {"simulates": "qaoa"}

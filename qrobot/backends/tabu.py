@@ -46,7 +46,7 @@ class TabuSampler(PickingSampler):
     accepts: Mapping[str, Parameter] = {
         **COMMON,
         "num_restarts": Parameter("whole", 0, 2**31 - 1, optional=False),
-        "moves": Parameter("whole", 1, optional=False),
+        "moves": Parameter("whole", 1, 10**9, optional=False),
         "tenure": Parameter("whole", 0),
         "timeout": Parameter("whole", 1, 2**31 - 1),
         "energy_threshold": Parameter("number"),

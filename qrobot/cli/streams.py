@@ -40,7 +40,7 @@ def prepare() -> None:
         stream = getattr(sys, name)
         if stream is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
-        elif stream is getattr(sys, f"__{name}__"):
+        elif os.name == "posix" and stream is getattr(sys, f"__{name}__"):
             setattr(sys, name, _steady(stream, name))
         elif isinstance(stream, io.TextIOWrapper):  # of a program that calls us
             stream.reconfigure(errors="backslashreplace")

@@ -22,7 +22,7 @@ SEARCH: dict[str, Parameter] = {
     **COMMON,
     "num_reads": Parameter("whole", 1, optional=False),
     "ansatz": Parameter("choice", choices=tuple(ANSATZES), optional=False),
-    "layers": Parameter("whole", 0, optional=False),
+    "layers": Parameter("whole", 0, 1000, optional=False),
     "alpha": Parameter("number", 0, 1, above=True),
     "optimizer": Parameter("choice", choices=("auto", *OPTIMISERS), optional=False),
     "evaluations": Parameter("whole", 0),
