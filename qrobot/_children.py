@@ -10,7 +10,12 @@ import os
 import sys
 from pathlib import Path
 
-__all__ = ["import_path"]
+__all__ = ["child_environment", "import_path"]
+
+
+def child_environment() -> dict[str, str]:
+    """Return the variables for a Python that answers us over a pipe, whatever our own streams."""
+    return os.environ | {"PYTHONPATH": import_path(), "PYTHONIOENCODING": "utf-8"}
 
 
 def import_path() -> str:

@@ -13,6 +13,7 @@ import os
 import secrets
 import stat
 from pathlib import Path
+from typing import Any
 
 from qrobot.errors import InputError
 
@@ -20,7 +21,9 @@ __all__ = [
     "MAX_BYTES",
     "NO_PERMISSION",
     "StrPath",
+    "path_text",
     "read_text",
+    "refusal",
     "write_bytes_atomic",
     "write_text_atomic",
 ]
@@ -50,6 +53,26 @@ _MENDS = {
 }
 
 
+def path_text(path: StrPath) -> str:
+    """Return a path as text.
+
+    Raises
+    ------
+    InputError
+        When it is not the path of anything.
+    """
+    given: Any = path  # whatever the annotation says
+    text = os.fspath(given) if isinstance(given, os.PathLike) else given
+    if not isinstance(text, str):
+        raise InputError(
+            f"an object of class {type(path).__name__} is not a path",
+            mend="give the path of a file as text",
+        )
+    if not text:
+        raise InputError("the path is empty", mend="give the path of a file")
+    return text
+
+
 def read_text(path: StrPath, *, fallback: str | None = None) -> str:
     """Return the text of a file.
 
@@ -65,7 +88,7 @@ def read_text(path: StrPath, *, fallback: str | None = None) -> str:
     InputError
         When the file is missing, unreadable, empty, binary, in another encoding or huge.
     """
-    source = os.fspath(path)
+    source = path_text(path)
     try:
         # Not blocking: opening a pipe that nobody writes to would wait for ever.
         descriptor = os.open(source, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
@@ -86,7 +109,7 @@ def read_text(path: StrPath, *, fallback: str | None = None) -> str:
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         if isinstance(error, InputError):
             raise
-        raise _refusal("read", source, error) from None
+        raise refusal("read", source, error) from None
     return _decoded(data, source, fallback)
 
 
@@ -137,11 +160,11 @@ def write_bytes_atomic(path: StrPath, data: bytes) -> None:
     InputError
         When the file cannot be written; what stood there before is untouched.
     """
-    source = os.fspath(path)
+    source = path_text(path)
     try:
         _write(Path(source), data)
     except (OSError, RuntimeError, ValueError) as error:
-        raise _refusal("write", source, error) from None
+        raise refusal("write", source, error) from None
 
 
 def _write(path: Path, data: bytes) -> None:
@@ -185,7 +208,8 @@ def _flush_folder(folder: Path) -> None:
             os.close(descriptor)
 
 
-def _refusal(verb: str, source: str, error: Exception) -> InputError:
+def refusal(verb: str, source: str, error: Exception) -> InputError:
+    """Return what a user is told when a file cannot be read or written, with the mend."""
     code = error.errno if isinstance(error, OSError) else None
     why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     mend = _MENDS.get(code or 0, "check the path and the disk")

@@ -41,6 +41,9 @@ class Capabilities:
         Largest useful size: variables of a sampler, items of a planner; ``None``: no limit.
     extra
         The extra of the distribution that installs it; ``None`` when the base does.
+    control
+        Whether a planner tells of as many random plans beside its own reads; a sampler's are
+        drawn for it.
     """
 
     kind: Literal["sampler", "planner"]
@@ -50,6 +53,7 @@ class Capabilities:
     whole_orders: bool = True
     max_size: int | None = None
     extra: str | None = None
+    control: bool = False
 
 
 class Stop:

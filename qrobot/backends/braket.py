@@ -16,6 +16,7 @@ import numpy.typing as npt
 from qrobot.backends.braket_cloud import TaskEngine, check_fit
 from qrobot.backends.gates.circuit import TURNING, Circuit
 from qrobot.backends.gates.lower import lowered
+from qrobot.backends.sampler import Parameter
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.devices import arn_of
 from qrobot.backends.variational.engine import Engine, StateEngine, attempt, room
@@ -147,13 +148,12 @@ class _Braket(VariationalSampler):
 
     sdk = "braket"
     extra = "braket"
-    own: ClassVar[tuple[str, ...]] = ("run_options",)
+    own: ClassVar[dict[str, Parameter]] = {"run_options": Parameter("names")}
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
+        del own
         _need("braket.circuits", f"backend {self.name}")
-        if not isinstance(own.get("run_options"), dict | None):
-            raise InputError("sets nothing", field="run_options", mend="give options by name")
         device = options.device or "local"
         if not isinstance(device, str) or device in ("local", "braket_sv", "braket_dm"):
             options.refuse_device_options("a device of this machine or a device object")

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import dimod
 
 from qrobot.backends.base import Capabilities
-from qrobot.backends.sampler import PickingSampler, check_finite, constant_samples
+from qrobot.backends.sampler import (
+    COMMON,
+    STARTS,
+    Parameter,
+    PickingSampler,
+    check_finite,
+    constant_samples,
+)
 from qrobot.errors import InputError
 
 __all__ = ["DescentSampler"]
@@ -25,15 +33,18 @@ class DescentSampler(PickingSampler):
     name = "descent"
     capabilities = Capabilities(kind="sampler", max_size=20_000)
 
+    accepts: Mapping[str, Parameter] = {
+        "num_reads": COMMON["num_reads"],
+        "seed": COMMON["seed"],
+        "initial_states": Parameter("any"),
+        "initial_states_generator": Parameter("choice", choices=STARTS, optional=False),
+        "large_sparse_opt": Parameter("flag", optional=False),
+    }
+
     def __init__(self) -> None:
         from dwave.samplers import SteepestDescentSampler
 
         self._sampler = SteepestDescentSampler()
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Names of what `sample` takes, as dimod wants them."""
-        return dict(self._sampler.parameters)
 
     @property
     def properties(self) -> dict[str, Any]:
@@ -48,7 +59,6 @@ class DescentSampler(PickingSampler):
         InputError
             When a coefficient is not finite, or a parameter cannot be used.
         """
-        parameters = self.remove_unknown_kwargs(**parameters)
         check_finite(bqm)
         if not bqm.num_variables:
             return constant_samples(bqm, parameters.get("num_reads") or 1)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import importlib
 from abc import abstractmethod
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import Any
 
 import dimod
 
 from qrobot.backends.base import Capabilities
-from qrobot.backends.sampler import PickingSampler, check_finite
+from qrobot.backends.sampler import Parameter, PickingSampler, check_finite
 from qrobot.errors import MissingExtraError, RemoteError
 from qrobot.remote import (
-    PARAMETERS,
+    LIMITS,
     Answer,
     Backoff,
     Estimate,
@@ -43,7 +44,7 @@ class DWaveCloudSampler(PickingSampler):
 
     title = "D-Wave Leap"
     capabilities = Capabilities(kind="sampler", local=False, deterministic=False, extra="dwave")
-    own_parameters: ClassVar[tuple[str, ...]] = ()
+    accepts: Mapping[str, Parameter] = LIMITS
 
     def __init__(self, child: Any = None, **config: Any) -> None:
         self._given = child
@@ -55,11 +56,6 @@ class DWaveCloudSampler(PickingSampler):
         self._asked: Any = None
         self._jobs: DWaveJobs | None = None
         self._local: dict[str, dimod.SampleSet] = {}
-
-    @property
-    def parameters(self) -> dict[str, list[str]]:
-        """Names of what `sample` takes; no connection is made to tell."""
-        return {name: [] for name in self.own_parameters} | dict(PARAMETERS)
 
     @property
     def properties(self) -> dict[str, Any]:
@@ -154,7 +150,6 @@ class DWaveCloudSampler(PickingSampler):
         BackendError
             When the model does not fit, or would cost too much.
         """
-        parameters = self.remove_unknown_kwargs(**parameters)
         check_finite(bqm)
         options = Options.take_from(parameters)
         self._limit, self._backoff = options.timeout, options.backoff

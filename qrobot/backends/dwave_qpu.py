@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import Any
 
 import dimod
 import numpy as np
 
 from qrobot.backends.dwave_cloud import DWaveCloudSampler
+from qrobot.backends.sampler import COMMON, Parameter
 from qrobot.errors import BackendError
-from qrobot.remote import Answer, Estimate, Keep, RemoteJob
+from qrobot.remote import LIMITS, Answer, Estimate, Keep, RemoteJob
 from qrobot.remote.dwave import opened
 
 __all__ = ["DWaveQPUSampler"]
@@ -22,6 +23,10 @@ EMBEDDING_SECONDS = 60
 CHAINS = 1.0
 """Chain strength of picking models in units of the SDK's (whose own prefactor is 1.414).
 Measured with simulated annealing on an embedded graph, not on a QPU: docs/stacks/dwave.md."""
+
+
+METHODS = ("majority_vote", "weighted_random", "discard")
+"""How a broken chain is read."""
 
 
 class DWaveQPUSampler(DWaveCloudSampler):
@@ -42,11 +47,22 @@ class DWaveQPUSampler(DWaveCloudSampler):
 
     name = "dwave-qpu"
     title = "D-Wave QPU"
-    own_parameters: ClassVar[tuple[str, ...]] = (
-        "num_reads", "seed", "device", "annealing_time", "anneal_schedule", "answer_mode",
-        "chain_strength", "chain_break_method", "embedding_parameters", "fast_anneal",
-        "programming_thermalization", "readout_thermalization", "reduce_intersample_correlation",
-    )  # fmt: skip
+    accepts: Mapping[str, Parameter] = {
+        "num_reads": COMMON["num_reads"],
+        "seed": COMMON["seed"],
+        "device": Parameter("text", also=(Mapping,)),
+        "annealing_time": Parameter("number", 0, above=True),
+        "anneal_schedule": Parameter("pairs"),
+        "answer_mode": Parameter("choice", choices=("histogram", "raw")),
+        "chain_strength": Parameter("number", 0, above=True, also=(Mapping, Callable)),
+        "chain_break_method": Parameter("choice", choices=METHODS, also=(Callable,)),
+        "embedding_parameters": Parameter("names"),
+        "fast_anneal": Parameter("flag"),
+        "programming_thermalization": Parameter("number", 0),
+        "readout_thermalization": Parameter("number", 0),
+        "reduce_intersample_correlation": Parameter("flag"),
+        **LIMITS,
+    }
 
     def __init__(self, child: Any = None, **config: Any) -> None:
         super().__init__(child, **config)
@@ -203,10 +219,8 @@ def _chains(bqm: dimod.BinaryQuadraticModel, embedding: Any = None) -> float:
 def _method(name: str) -> Any:
     from dwave.embedding import chain_breaks
 
-    if name not in ("majority_vote", "discard", "weighted_random"):
-        raise BackendError(
-            f"{name!r} resolves no chains; use majority_vote, weighted_random or discard"
-        )
+    if name not in METHODS:  # of a job that was kept by another version
+        raise BackendError(f"{name!r} resolves no chains; use one of {', '.join(METHODS)}")
     return getattr(chain_breaks, name)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import Any
 
 import dimod
 
 from qrobot.backends.dwave_cloud import DWaveCloudSampler
+from qrobot.backends.sampler import Parameter
 from qrobot.errors import InputError
-from qrobot.remote import Answer, Estimate, Keep, RemoteJob
+from qrobot.remote import LIMITS, Answer, Estimate, Keep, RemoteJob
 from qrobot.remote.dwave import opened
 
 __all__ = ["LeapBQMSampler", "LeapCQMSampler"]
@@ -19,7 +21,11 @@ class LeapBQMSampler(DWaveCloudSampler):
 
     name = "leap-bqm"
     title = "D-Wave Leap hybrid BQM"
-    own_parameters: ClassVar[tuple[str, ...]] = ("time_limit", "device")
+    accepts: Mapping[str, Parameter] = {
+        "time_limit": Parameter("number", 0, above=True),
+        "device": Parameter("text", also=(Mapping,)),
+        **LIMITS,
+    }
 
     def make_child(self, config: dict[str, Any]) -> Any:
         """Return a ``LeapHybridSampler``."""

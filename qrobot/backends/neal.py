@@ -7,19 +7,29 @@ over `dwave.samplers.SimulatedAnnealingSampler`; this uses the latter.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import dimod
 
 from qrobot.backends.base import Capabilities
-from qrobot.backends.sampler import PickingSampler, check_finite, constant_samples
+from qrobot.backends.sampler import (
+    COMMON,
+    STARTS,
+    Parameter,
+    PickingSampler,
+    check_finite,
+    constant_samples,
+)
 from qrobot.errors import InputError
 
 __all__ = ["NealSampler"]
 
 SEEDS = 2**31
 """The annealer takes seeds below this."""
+
+SCHEDULES = ("linear", "geometric", "custom")
+CRITERIA = ("Metropolis", "Gibbs")
 
 READS = 100
 SWEEPS = 2_000
@@ -40,22 +50,20 @@ class NealSampler(PickingSampler):
 
     name = "neal"
     capabilities = Capabilities(kind="sampler", max_size=5_000)
-    parameters: ClassVar[dict[str, list[str]]] = {
-        "num_reads": [],
-        "num_sweeps": [],
-        "num_sweeps_per_beta": [],
-        "beta_range": [],
-        "beta_schedule": [],
-        "beta_schedule_type": ["beta_schedule_options"],
-        "seed": [],
-        "interrupt_function": [],
-        "initial_states": [],
-        "initial_states_generator": [],
-        "randomize_order": [],
-        "proposal_acceptance_criteria": [],
+    accepts: Mapping[str, Parameter] = {
+        **COMMON,
+        "num_sweeps": Parameter("whole", 1, 10**8),
+        "num_sweeps_per_beta": Parameter("whole", 1, 10**8, optional=False),
+        "beta_range": Parameter("numbers", 0, length=2),
+        "beta_schedule": Parameter("numbers", 0),
+        "beta_schedule_type": Parameter("choice", choices=SCHEDULES, optional=False),
+        "initial_states": Parameter("any"),
+        "initial_states_generator": Parameter("choice", choices=STARTS, optional=False),
+        "randomize_order": Parameter("flag", optional=False),
+        "proposal_acceptance_criteria": Parameter("choice", choices=CRITERIA, optional=False),
     }
     properties: ClassVar[dict[str, Any]] = {
-        "beta_schedule_options": ("linear", "geometric", "custom"),
+        "beta_schedule_options": SCHEDULES,
         "vartypes": ("BINARY", "SPIN"),
     }
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from qrobot.backends.gates.circuit import Circuit
 from qrobot.backends.pennylane_remote import PluginEngine, admitted, is_local, limited
+from qrobot.backends.sampler import Parameter
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.variational.ising import terms
@@ -182,7 +183,9 @@ class _PennyLane(VariationalSampler):
 
     sdk = "pennylane"
     extra = "pennylane"
-    own: ClassVar[tuple[str, ...]] = ("diff_method",)
+    own: ClassVar[dict[str, Parameter]] = {
+        "diff_method": Parameter("choice", choices=("adjoint", "parameter-shift", "backprop"))
+    }
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""

@@ -33,7 +33,7 @@ class _PreservingPlanner:
 
     mixer: str
     name: str
-    capabilities = Capabilities(kind="planner")
+    capabilities = Capabilities(kind="planner", control=True)
 
     def search(
         self,

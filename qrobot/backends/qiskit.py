@@ -24,6 +24,7 @@ from qrobot.backends.qiskit_runtime import (
     is_simulated,
     open_mode,
 )
+from qrobot.backends.sampler import Parameter
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.engine import Engine, StateEngine, room
 from qrobot.backends.variational.ising import terms
@@ -183,14 +184,14 @@ class _Qiskit(VariationalSampler):
 
     sdk = "qiskit"
     extra = "qiskit"
-    own: ClassVar[tuple[str, ...]] = ("mode", "optimization_level")
+    own: ClassVar[dict[str, Parameter]] = {
+        "mode": Parameter("any"),
+        "optimization_level": Parameter("whole", 0, 3, optional=False),
+    }
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
         _need("qiskit", f"backend {self.name}", self.extra)
-        level = own.get("optimization_level", 3)
-        if isinstance(level, bool) or level not in range(4):
-            raise InputError(f"{level!r} is no level", field="optimization_level", mend="use 0..3")
         mode = own.get("mode")
         if mode is not None or _device(options) == "statevector":
             options.refuse_device_options("a mode" if mode is not None else "device statevector")

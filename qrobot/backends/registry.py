@@ -12,6 +12,7 @@ import importlib.metadata
 import importlib.util
 from typing import TYPE_CHECKING, cast
 
+from qrobot._parameters import near
 from qrobot.backends.base import Capabilities, Planner
 from qrobot.errors import InputError, MissingExtraError
 
@@ -112,9 +113,10 @@ def get(name: str) -> Planner | PickingSampler:
         return cast("Planner | PickingSampler", getattr(importlib.import_module(module), cls)())
     if name in plugins:
         return cast("Planner | PickingSampler", plugins[name].load()())
-    raise InputError(
-        f"{name!r} is no backend", field="backend", mend=f"use one of: auto, {', '.join(names())}"
-    )
+    every = ["auto", *names()]
+    meant = near(str(name), every)
+    mend = f"{meant} use one of: {', '.join(every)}".lstrip()
+    raise InputError(f"{name!r} is not a backend", field="backend", mend=mend)
 
 
 def capabilities(name: str) -> Capabilities:

@@ -2,36 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import functools
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import dimod
 import numpy as np
 
+from qrobot._parameters import Parameter, near
 from qrobot.backends.base import Capabilities
 from qrobot.errors import InputError
 from qrobot.remote import Estimate
 from qrobot.remote.cost import FREE
 
 __all__ = [
+    "COMMON",
+    "STARTS",
+    "Parameter",
     "PickingSampler",
     "check_finite",
-    "check_known",
-    "check_share",
-    "check_whole",
+    "check_parameters",
     "constant_samples",
 ]
+
+COMMON: Mapping[str, Parameter] = {
+    "num_reads": Parameter("whole", 1),
+    "seed": Parameter("whole", 0),
+    "interrupt_function": Parameter("function"),
+}
+"""Parameters that mean the same to every sampler that takes them."""
+
+STARTS = ("random", "tile", "none")
+"""How samplers of dwave-samplers fill up missing initial states."""
 
 
 class PickingSampler(dimod.Sampler):
     """A dimod sampler with a name and declared capabilities.
 
-    Subclasses set `name`, `capabilities`, `parameters` and `properties` and implement
-    `sample(bqm, *, num_reads, seed, **parameters)`. They work on any BQM.
+    Subclasses set `name`, `capabilities`, `accepts` and `properties` and implement
+    `sample(bqm, *, num_reads, seed, **parameters)`. They work on any BQM. Whatever calls
+    `sample`, the model and the parameters are checked first, the same for all samplers: it
+    never sees a name that it does not take, nor a value that `accepts` does not allow.
     """
 
     name: str
     capabilities: Capabilities
+    accepts: Mapping[str, Parameter] = {}
+    """What each parameter takes; those of `COMMON` may be left out of it."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "sample" in vars(cls):
+            cls.sample = _checked(vars(cls)["sample"])
+
+    @property
+    def parameters(self) -> dict[str, list[str]]:
+        """Names of what `sample` takes, as dimod wants them."""
+        return {name: [] for name in self.accepts}
 
     def picking_defaults(self, *, largest_distance: float) -> dict[str, Any]:  # noqa: ARG002
         """Return sampling parameters that suit a picking model.
@@ -52,6 +79,63 @@ class PickingSampler(dimod.Sampler):
         if self.runs_remotely(**parameters):
             return Estimate(None, None, f"backend {self.name} tells no price")
         return FREE
+
+
+def _checked(sample: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method `sample` that refuses what no sampler can use."""
+
+    @functools.wraps(sample)
+    def checked(self: PickingSampler, bqm: Any, *rest: Any, **parameters: Any) -> Any:
+        if not isinstance(bqm, dimod.BinaryQuadraticModel):
+            raise InputError(
+                f"an object of class {type(bqm).__name__} is not a binary quadratic model",
+                field="bqm",
+                mend=_other_model(bqm),
+            )
+        check_parameters(self, parameters)
+        return sample(self, bqm, *rest, **parameters)
+
+    return checked
+
+
+def _other_model(model: Any) -> str:
+    if isinstance(model, dimod.ConstrainedQuadraticModel):
+        return "convert it with dimod.cqm_to_bqm"
+    if isinstance(model, Mapping):
+        return "give a QUBO to sample_qubo, or make a dimod.BinaryQuadraticModel of it"
+    return "give a dimod.BinaryQuadraticModel, such as qrobot.models.build_model(instance).bqm"
+
+
+def check_parameters(
+    sampler: PickingSampler, parameters: Mapping[str, Any], *, also: tuple[str, ...] = ()
+) -> None:
+    """Refuse parameters that a sampler does not take, by their name, type or range.
+
+    Parameters
+    ----------
+    sampler
+        Who shall take them.
+    parameters
+        What it would be called with.
+    also
+        Other names that the caller could have meant.
+
+    Raises
+    ------
+    InputError
+        Names the parameter and what is allowed.
+    """
+    known = sampler.parameters
+    if unknown := sorted(set(parameters) - set(known)):
+        raise InputError(
+            f"backend {sampler.name} takes no option {', '.join(unknown)}",
+            field=unknown[0],
+            mend=near(unknown[0], [*known, *also]) or f"it takes {', '.join(sorted(known))}",
+        )
+    declared = {**COMMON, **sampler.accepts}
+    for name, value in parameters.items():
+        if name in declared:
+            declared[name].check(name, value)
 
 
 def check_finite(bqm: dimod.BinaryQuadraticModel) -> None:
@@ -86,46 +170,3 @@ def constant_samples(bqm: dimod.BinaryQuadraticModel, num_reads: int) -> dimod.S
     """Return the samples of a model without variables: its offset, as often as asked."""
     nothing = np.zeros((num_reads, 0), dtype=np.int8)
     return dimod.SampleSet.from_samples_bqm((nothing, []), bqm)
-
-
-def check_known(sampler: PickingSampler, options: Iterable[str]) -> None:
-    """Refuse options that a sampler does not take.
-
-    Raises
-    ------
-    InputError
-        With their names, and those that it takes.
-    """
-    if unknown := sorted(set(options) - set(sampler.parameters)):
-        raise InputError(
-            f"backend {sampler.name} takes no option {', '.join(unknown)}",
-            field="backend",
-            mend=f"it takes {', '.join(sorted(sampler.parameters))}",
-        )
-
-
-def check_whole(name: str, value: Any, least: int) -> None:
-    """Refuse an option that is no whole number of `least` or more.
-
-    Raises
-    ------
-    InputError
-        With the option's name.
-    """
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(
-            f"{value!r} is not a whole number of {least} or more", field=name, mend="correct it"
-        )
-
-
-def check_share(name: str, value: Any) -> None:
-    """Refuse an option that is no share: above 0 and at most 1.
-
-    Raises
-    ------
-    InputError
-        With the option's name.
-    """
-    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    if not number or not 0.0 < float(value) <= 1.0:
-        raise InputError(f"{value!r} is not a share", field=name, mend=f"use 0 < {name} <= 1")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import dimod
@@ -15,9 +15,9 @@ from qrobot.backends.gates.form import Form, bits_of
 from qrobot.backends.gates.simulator import DiagonalQAOA
 from qrobot.backends.gates.tune import Tuning, tune
 from qrobot.backends.sampler import (
+    COMMON,
+    Parameter,
     PickingSampler,
-    check_share,
-    check_whole,
     constant_samples,
 )
 from qrobot.errors import InputError
@@ -38,18 +38,17 @@ class StatevectorSampler(PickingSampler):
     name = "statevector"
     capabilities = Capabilities(kind="sampler", max_size=26)
 
-    parameters: ClassVar[dict[str, list[str]]] = {
-        "num_reads": [],
-        "seed": [],
-        "layers": [],
-        "alpha": [],
-        "evaluations": [],
-        "gammas": [],
-        "betas": [],
-        "precision": [],
-        "threads": [],
-        "engine": [],
-        "interrupt_function": [],
+    accepts: Mapping[str, Parameter] = {
+        **COMMON,
+        "num_reads": Parameter("whole", 1, optional=False),
+        "layers": Parameter("whole", 1, 1000, optional=False),
+        "alpha": Parameter("number", 0, 1, above=True, optional=False),
+        "evaluations": Parameter("whole", 0, optional=False),
+        "gammas": Parameter("numbers"),
+        "betas": Parameter("numbers"),
+        "precision": Parameter("choice", choices=("double", "single"), optional=False),
+        "threads": Parameter("whole", 1, 256),
+        "engine": Parameter("choice", choices=("auto", "numba", "numpy"), optional=False),
     }
     properties: ClassVar[dict[str, Any]] = {"simulates": "qaoa"}
 
@@ -78,7 +77,6 @@ class StatevectorSampler(PickingSampler):
         threads: int | None = 1,
         engine: str = "auto",
         interrupt_function: Callable[[], bool] | None = None,
-        **parameters: Any,
     ) -> Any:
         """Sample a model.
 
@@ -121,16 +119,6 @@ class StatevectorSampler(PickingSampler):
         InputError
             When the model holds NaN or infinity, or an option is out of range.
         """
-        self.remove_unknown_kwargs(**parameters)
-        for option, value, least in (
-            ("num_reads", num_reads, 1),
-            ("layers", layers, 1),
-            ("evaluations", evaluations, 0),
-            ("seed", 0 if seed is None else seed, 0),
-            ("threads", 1 if threads is None else threads, 1),
-        ):
-            check_whole(option, value, least)
-        check_share("alpha", alpha)
         if (gammas is None) != (betas is None):
             raise InputError("gammas and betas come together", field="betas")
         clock = [time.perf_counter()]

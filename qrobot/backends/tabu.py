@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import dimod
 import numpy as np
 
 from qrobot.backends.base import Capabilities
-from qrobot.backends.sampler import PickingSampler, check_finite, constant_samples
+from qrobot.backends.sampler import (
+    COMMON,
+    STARTS,
+    Parameter,
+    PickingSampler,
+    check_finite,
+    constant_samples,
+)
 from qrobot.errors import InputError
 
 __all__ = ["TabuSampler"]
@@ -36,17 +43,15 @@ class TabuSampler(PickingSampler):
 
     name = "tabu"
     capabilities = Capabilities(kind="sampler", max_size=5_000)
-    parameters: ClassVar[dict[str, list[str]]] = {
-        "num_reads": [],
-        "num_restarts": [],
-        "moves": [],
-        "tenure": [],
-        "timeout": [],
-        "energy_threshold": [],
-        "seed": [],
-        "interrupt_function": [],
-        "initial_states": [],
-        "initial_states_generator": [],
+    accepts: Mapping[str, Parameter] = {
+        **COMMON,
+        "num_restarts": Parameter("whole", 0, 2**31 - 1, optional=False),
+        "moves": Parameter("whole", 1, 10**9, optional=False),
+        "tenure": Parameter("whole", 0),
+        "timeout": Parameter("whole", 1, 2**31 - 1),
+        "energy_threshold": Parameter("number"),
+        "initial_states": Parameter("any"),
+        "initial_states_generator": Parameter("choice", choices=STARTS, optional=False),
     }
     properties: ClassVar[dict[str, Any]] = {"vartypes": ("BINARY", "SPIN")}
 
@@ -113,7 +118,7 @@ class TabuSampler(PickingSampler):
         if not bqm.num_variables:
             return constant_samples(bqm, num_reads or 1)
         # The library counts the changes that it weighs: as many as variables for a move.
-        work = max(moves, 1) * bqm.num_variables
+        work = moves * bqm.num_variables
         sampler = Tabu()
         try:
             starts = sampler.parse_initial_states(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from qrobot._json import json_text
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
@@ -22,4 +22,7 @@ def command(as_json: bool) -> None:
     from qrobot.report.backends import backend_rows, backend_table
 
     rows = backend_rows()
-    click.echo(json_text(rows, indent=1) if as_json else backend_table(rows))
+    if as_json:
+        say_json(rows)
+    else:
+        say(backend_table(rows))

@@ -6,7 +6,8 @@ import sys
 
 import click
 
-from qrobot.cli.options import FILE, Robots, rounding
+from qrobot.cli.options import FILE, Robots, rounding, written
+from qrobot.cli.streams import say
 
 __all__ = ["command"]
 
@@ -22,20 +23,10 @@ __all__ = ["command"]
 @rounding
 @click.option("--match", default="*", help="Only files like this, such as 'A-*'.")
 @click.option("--limit", type=int, help="At most so many instances.")
-@click.option(
-    "--json",
-    "json_path",
-    type=FILE,
-    help="Write the report; kept row by row.",
-)
-@click.option("--csv", "csv_path", type=FILE, help="Write the rows as CSV.")
-@click.option("--markdown", "markdown_path", type=FILE, help="Write tables as Markdown.")
-@click.option(
-    "--plot",
-    "plot_path",
-    type=FILE,
-    help="Draw gap against time: .svg or .png.",
-)
+@written("--json", "json_path", help="Write the report; kept row by row.")
+@written("--csv", "csv_path", help="Write the rows as CSV.")
+@written("--markdown", "markdown_path", help="Write tables as Markdown.")
+@written("--plot", "plot_path", help="Draw gap against time: .svg or .png.")
 def command(
     folder: str,
     backends: str,
@@ -98,14 +89,14 @@ def command(
         rounding=rounding,
     )
     most = "" if deadline is None else f", at most {len(todo) * deadline:.0f} s of searching"
-    click.echo(f"{len(todo)} runs{most}", err=True)
+    say(f"{len(todo)} runs{most}", err=True)
 
     def tell(number: int, row: BenchRow) -> None:
         gap = "" if row.gap is None else f", gap {row.gap:.2%}"
         found = row.error if row.cost is None else f"{row.cost:g}{gap}"
         proven = ", proven" if row.proven else ""
         seconds = row.seconds or row.wall_seconds or 0.0
-        click.echo(
+        say(
             f"{number}/{len(todo)} {row.instance} {row.backend} seed {row.seed}: "
             f"{found}{proven}, {seconds:.2f} s",
             err=True,
@@ -122,8 +113,8 @@ def command(
         write_text_atomic(markdown_path, text)
     if plot_path:
         bench_plot(report, plot_path)
-    click.echo(bench_markdown(report, folder, rows=False))
+    say(bench_markdown(report, folder, rows=False))
     if report["interrupted"]:
-        click.echo(f"interrupted: {len(report['rows'])} of {len(todo)} runs are kept", err=True)
+        say(f"interrupted: {len(report['rows'])} of {len(todo)} runs are kept", err=True)
         sys.exit(130)
     sys.exit(0 if all(row["error"] is None or row["proven"] for row in report["rows"]) else 1)

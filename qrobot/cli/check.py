@@ -6,8 +6,8 @@ import sys
 
 import click
 
-from qrobot._json import json_text
 from qrobot.cli.options import FILE, Robots, ignore_columns, rounding
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
@@ -61,7 +61,7 @@ def command(
     )
     report = check(answer, question)
     if as_json:
-        click.echo(json_text(report.to_dict(), indent=1, ensure_ascii=False))
+        say_json(report.to_dict())
     else:
-        click.echo(str(report))
+        say(str(report))
     sys.exit(0 if report.ok else 1)

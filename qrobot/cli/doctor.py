@@ -7,6 +7,7 @@ import sys
 import click
 
 from qrobot._json import json_text
+from qrobot.cli.streams import say
 
 __all__ = ["command"]
 
@@ -29,5 +30,5 @@ def command(as_json: bool) -> None:
 
     data = inventory()
     text = json_text(data, indent=1) if as_json else inventory_text(data)
-    click.echo(redact(text))
+    say(redact(text))
     sys.exit(1 if data["problems"] else 0)

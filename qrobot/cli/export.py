@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from qrobot._json import json_text
 from qrobot.cli.options import FILE, Robots, ignore_columns, rounding
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
@@ -122,10 +122,10 @@ def command(
 
         report["circuit"] = {"path": circuit} | export_circuit(question, circuit, mixer, layers)
     if as_json:
-        click.echo(json_text(report, indent=1, ensure_ascii=False))
+        say_json(report)
         return
     for line in _lines(report):
-        click.echo(line)
+        say(line)
 
 
 def _lines(report: dict[str, Any]) -> Iterator[str]:

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import click
 
-from qrobot._json import json_text
 from qrobot.cli.options import FILE
-from qrobot.cli.streams import say
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
@@ -135,7 +134,7 @@ def seed_(
             "instance_id": written.instance_id,
             "changed": [str(path) for path in written.changed],
         }
-        say(json_text(report, indent=1))
+        say_json(report)
         return
     for path in written.files:
         say(f"{'written' if path in written.changed else 'unchanged'}: {path}")

@@ -7,9 +7,12 @@ from pathlib import Path
 import click
 
 from qrobot._json import json_text
-from qrobot.cli.options import FILE
+from qrobot.cli.options import written
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
+
+STATES = ("submitting", "queued", "running", "done", "failed", "cancelled")
 
 
 @click.group("jobs")
@@ -28,7 +31,7 @@ def command() -> None:
 
 
 @command.command("list")
-@click.option("--state", help="Only submitting, queued, running, done, failed or cancelled.")
+@click.option("--state", type=click.Choice(STATES), help="Only jobs in this state.")
 @click.option("--backend", help="Only jobs of this backend.")
 @click.option("--refresh", is_flag=True, help="Ask the services first.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
@@ -43,21 +46,17 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
         troubles = refresh_all(jobs, store, get) if refresh else []
         jobs = [job for job in jobs if state in (None, job.state)]
     for trouble in troubles:
-        click.echo(f"not refreshed: {trouble}", err=True)
+        say(f"not refreshed: {trouble}", err=True)
     if as_json:
-        click.echo(json_text([job.to_dict() for job in jobs], indent=1))
+        say_json([job.to_dict() for job in jobs])
     else:
-        click.echo(jobs_table(jobs))
+        say(jobs_table(jobs))
 
 
 @command.command("fetch")
 @click.argument("job")
-@click.option("--output", "-o", type=FILE, help="Write the samples as JSON (of dimod).")
-@click.option(
-    "--plan",
-    type=FILE,
-    help="Write the plan as JSON; checked like every plan.",
-)
+@written("--output", "-o", help="Write the samples as JSON (of dimod).")
+@written("--plan", help="Write the plan as JSON; checked like every plan.")
 @click.option("--json", "as_json", is_flag=True, help="Print what is known as JSON.")
 def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> None:
     """Fetch the samples of a JOB that is done, by its id or the beginning of it."""
@@ -78,12 +77,15 @@ def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> Non
             result.save(plan)
     if output:
         write_text_atomic(output, json_text(samples.to_serializable()) + "\n")
-    click.echo(json_text(report, indent=1) if as_json else samples_text(report))
-    if plan and not as_json:
-        click.echo(result.summary())
+    if as_json:
+        say_json(report)
+        return
+    say(samples_text(report))
+    if plan:
+        say(result.summary())
     for path in (output, plan):
-        if path and not as_json:
-            click.echo(f"written: {Path(path)}")
+        if path:
+            say(f"written: {Path(path)}")
 
 
 @command.command("cancel")
@@ -96,7 +98,7 @@ def cancel_(job: str) -> None:
     with JobStore() as store:
         dropped = cancel(job, store, get)
     note = f": {dropped.problem}" if dropped.problem else ""
-    click.echo(f"{dropped.id} is {dropped.state}{note}")
+    say(f"{dropped.id} is {dropped.state}{note}")
 
 
 @command.command("forget")
@@ -107,6 +109,8 @@ def forget_(days: float) -> None:
     from qrobot.remote import JobStore
 
     if not 0 <= days < float("inf"):
-        raise InputError(f"{days:g} is no age", field="--days", mend="give 0 or more days")
+        raise InputError(
+            f"{days:g} is not an age in days", field="--days", mend="give 0 or more days"
+        )
     with JobStore() as store:
-        click.echo(f"{store.prune(days)} jobs are forgotten")
+        say(f"{store.prune(days)} jobs are forgotten")

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import errno
 import importlib
+import io
 import sys
 import traceback
-from contextlib import suppress
 from typing import Any
 
 import click
 
 from qrobot._version import __version__
-from qrobot.cli.streams import drop
+from qrobot.cli.streams import prepare, say
 from qrobot.errors import QRobotError
 
 __all__ = ["COMMANDS", "cli", "main"]
@@ -32,10 +31,6 @@ COMMANDS = {
 """Name and one line of help; the module of the same name holds the command."""
 
 
-class ReaderGoneError(Exception):
-    """The reader of our output went away; click would turn the plain error into code 1."""
-
-
 class LazyGroup(click.Group):
     """A group that imports a command only when it is called: `--help` stays fast on a Pi."""
 
@@ -49,13 +44,6 @@ class LazyGroup(click.Group):
             return None
         command: click.Command = importlib.import_module(f"qrobot.cli.{cmd_name}").command
         return command
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command."""
-        try:
-            return super().invoke(ctx)
-        except BrokenPipeError:
-            raise ReaderGoneError from None
 
     def format_commands(self, _ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
@@ -86,6 +74,7 @@ def cli(debug: bool) -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its code; users see sentences, not tracebacks."""
+    prepare()
     words = sys.argv[1:] if arguments is None else arguments
     debug = "--debug" in words  # wherever it stands
     words = [word for word in words if word != "--debug"]
@@ -96,41 +85,31 @@ def main(arguments: list[str] | None = None) -> None:
     except SystemExit as done:  # a command that tells its own code
         code = done.code
     except click.ClickException as error:
-        error.show()
+        told = io.StringIO()
+        error.show(told)
+        say(told.getvalue(), err=True, end="")
         code = 2
     except (click.Abort, KeyboardInterrupt):
-        click.echo("qrobot: interrupted", err=True)
+        say("qrobot: interrupted", err=True)
         code = 130
-    except ReaderGoneError:
-        drop(sys.stdout)  # there is nobody left to tell
-        code = 0
     except QRobotError as error:
         code = _tell(str(error), error, error.exit_code, debug)
     except OSError as error:
-        if error.filename is None and error.errno in (errno.ENOSPC, errno.EIO):
-            drop(sys.stdout)  # the output itself: a full disk
-        code = _tell(
-            f"{error.strerror or error} ({error.filename or 'input/output'})", error, 2, debug
-        )
+        where = f" ({error.filename})" if error.filename else ""
+        code = _tell(f"{error.strerror or error}{where}", error, 2, debug)
     except MemoryError as error:
         code = _tell("out of memory; plan a smaller instance", error, 3, debug)
     except Exception as error:
         text = f"internal error: {type(error).__name__}: {error}; show more with --debug"
         code = _tell(text, error, 3, debug)
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except OSError:
-            drop(stream)  # Python 3.13 ends with 120 when it cannot flush, whatever the code was
     sys.exit(code if isinstance(code, int) else 0)
 
 
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:
-    with suppress(OSError):  # nobody reads, or a log on a full disk: the code still tells
-        if debug:
-            from qrobot.remote.redaction import redact
+    if debug:
+        from qrobot.remote.redaction import redact
 
-            # The chain of an error may quote a service, and a service may quote a token.
-            click.echo(redact("".join(traceback.format_exception(error))), err=True, nl=False)
-        click.echo(f"qrobot: {' '.join(text.split())}", err=True)
+        # The chain of an error may quote a service, and a service may quote a token.
+        say(redact("".join(traceback.format_exception(error))), err=True, end="")
+    say(f"qrobot: {' '.join(text.split())}", err=True)
     return code

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import json
-import re
-from typing import Any
+import math
+from collections.abc import Callable
+from typing import Any, NoReturn, TypeVar
 
 import click
 
 from qrobot.errors import InputError
 
-__all__ = ["FILE", "Robots", "Setting", "ignore_columns", "rounding", "seconds"]
+__all__ = [
+    "FILE",
+    "Robots",
+    "Setting",
+    "ignore_columns",
+    "rounding",
+    "seconds",
+    "settings_of",
+    "written",
+]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 FILE = click.Path(readable=False)
 """A path; who may not read it is told by whoever reads, with the mend."""
@@ -31,6 +43,27 @@ ignore_columns = click.option(
 )
 
 
+def written(*names: str, **more: Any) -> Callable[[Function], Function]:
+    """Return an option that names a file to write, and refuses a second one.
+
+    Of an option that is given twice, click would pass over the first: a file that was asked for
+    would not be written, without a word.
+    """
+
+    def only(
+        _ctx: click.Context, param: click.Parameter, paths: tuple[str, ...] | None
+    ) -> str | None:
+        if paths and len(paths) > 1:
+            raise InputError(
+                f"is given {len(paths)} times ({', '.join(paths)})",
+                field=max(param.opts, key=len),
+                mend="give one file",
+            )
+        return paths[0] if paths else None
+
+    return click.option(*names, type=FILE, multiple=True, callback=only, **more)
+
+
 class Robots(click.ParamType[int | str]):
     """A number of robots, or ``free`` for as many as wanted."""
 
@@ -39,13 +72,16 @@ class Robots(click.ParamType[int | str]):
     def convert(
         self, value: str | int, _param: click.Parameter | None, _ctx: click.Context | None
     ) -> int | str:
-        """Return the number or ``free``."""
-        if value == "free":
+        """Return the number or ``free``, however it is written."""
+        text = str(value).strip()
+        if text.lower() == "free":
             return "free"
-        if isinstance(value, int) or re.fullmatch(r"[-+]?[0-9]{1,12}", value):
-            return int(value)
+        sign = text[:1] if text[:1] in "+-" else ""
+        digits = text[len(sign) :]
+        if digits.isascii() and digits.isdigit() and len(digits) < 10:
+            return int(text)
         raise InputError(
-            f"{value!r:.40} is not a number of robots",
+            f"{value!r} is not a number of robots",
             field="--robots",
             mend="give 1 or more, or 'free'",
         )
@@ -85,12 +121,64 @@ class Setting(click.ParamType[tuple[str, Any]]):
             )
         if name in OWN_FLAGS:
             raise InputError(
-                f"{name} is no option of a sampler here", field="--option", mend=OWN_FLAGS[name]
+                f"{name} is not an option of a sampler here", field="--option", mend=OWN_FLAGS[name]
             )
-        try:
-            return name, json.loads(text)
-        except ValueError:
-            return name, text
+        return name, _value(name, text)
+
+
+def _value(name: str, text: str) -> Any:
+    """Return a value as JSON has it, else the text itself."""
+
+    def refuse(constant: str) -> NoReturn:
+        raise InputError(
+            f"{constant} is not a finite number", field=name, mend="give a plain number"
+        )
+
+    def number(digits: str) -> float:
+        found = float(digits)
+        return found if math.isfinite(found) else refuse(digits)
+
+    try:
+        return json.loads(text, parse_constant=refuse, parse_float=number)
+    except InputError:
+        raise
+    except (ValueError, RecursionError):
+        return text
+
+
+def settings_of(flags: dict[str, Any], settings: tuple[tuple[str, Any], ...]) -> dict[str, Any]:
+    """Return the options of a sampler: those with a flag of their own, and ``--option``.
+
+    Parameters
+    ----------
+    flags
+        Name of the option to the flag and its value, which is ``None`` when it was not given.
+    settings
+        As `Setting` gives them.
+
+    Raises
+    ------
+    InputError
+        When an option gets two different values.
+    """
+    found: dict[str, tuple[str, Any]] = {
+        name: given for name, given in flags.items() if given[1] is not None
+    }
+    for name, value in settings:
+        flag = f"-O {name}"
+        before, other = found.setdefault(name, (flag, value))
+        if other != value:
+            raise InputError(
+                f"{flag}={_shown(value)} contradicts {before}{'=' if before == flag else ' '}"
+                f"{_shown(other)}",
+                field="--option",
+                mend="give one of them",
+            )
+    return {name: value for name, (_, value) in found.items()}
+
+
+def _shown(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def seconds(value: float) -> str:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from qrobot.cli.streams import say
 from qrobot.planning.run import Progress
 
 __all__ = ["ProgressLine", "progress_line"]
@@ -50,10 +51,9 @@ class ProgressLine:
                 return
             self._wake.clear()
             if self.live:
-                sys.stderr.write(f"\r\x1b[K{self.text()}")
+                say(f"\r\x1b[K{self.text()}", err=True, end="")
             else:
-                sys.stderr.write(f"{self.text()}\n")
-            sys.stderr.flush()
+                say(self.text(), err=True)
 
     def end(self) -> None:
         """Stop showing and clear the line."""
@@ -76,5 +76,4 @@ def progress_line(quiet: bool) -> Iterator[ProgressLine | None]:
         line.end()
         thread.join()
         if line.live:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
+            say("\r\x1b[K", err=True, end="")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from qrobot._json import json_text
-from qrobot.cli.options import FILE
+from qrobot.cli.options import FILE, written
+from qrobot.cli.streams import say, say_json
 
 if TYPE_CHECKING:
     from qrobot.report.reproduce.outcome import Line
@@ -21,7 +21,7 @@ TARGETS = ["table1", "table2", "table3", "figure4", "figure7", "all"]
 
 @click.command("reproduce")
 @click.argument("targets", nargs=-1, required=True, type=click.Choice(TARGETS))
-@click.option("--output", "-o", default="build/reproduce", show_default=True, help="A folder.")
+@written("--output", "-o", help="A folder.  [default: build/reproduce]")
 @click.option("--rows", help="Numbers of items, such as 2-5 or 2,4,10-12.")
 @click.option("--largest", type=int, help="At most so many items.")
 @click.option("--quick", is_flag=True, help="At most 4 items, no SDK: under a minute.")
@@ -33,7 +33,7 @@ TARGETS = ["table1", "table2", "table3", "figure4", "figure7", "all"]
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def command(
     targets: tuple[str, ...],
-    output: str,
+    output: str | None,
     rows: str | None,
     largest: int | None,
     quick: bool,
@@ -68,16 +68,17 @@ def command(
     from qrobot.report.reproduce.told import figure_text, line_text, place_text, summary
 
     def tell(line: Line) -> None:
-        click.echo(line_text(line), err=True)
+        say(line_text(line), err=True)
 
     def show(figure: dict[str, Any]) -> None:
-        click.echo(figure_text(figure), err=True)
+        say(figure_text(figure), err=True)
 
+    output = output or "build/reproduce"
     if docs:
         check_page(docs)
 
     def begin(line: Line) -> None:
-        click.echo(f"{place_text(line)} ...", err=True)
+        say(f"{place_text(line)} ...", err=True)
 
     with terminate_as_interrupt() as interrupted:
         report = reproduce(
@@ -92,8 +93,11 @@ def command(
         )
     if docs and not report["interrupted"]:
         fill_page(docs, output)
-    click.echo(json_text(report, indent=1) if as_json else summary(report, output))
+    if as_json:
+        say_json(report)
+    else:
+        say(summary(report, output))
     if report["interrupted"]:
-        click.echo(f"interrupted: {len(report['lines'])} lines are kept in {output}", err=True)
+        say(f"interrupted: {len(report['lines'])} lines are kept in {output}", err=True)
         sys.exit(130)
     sys.exit(3 if any(line["status"] == "failed" for line in report["lines"]) else 0)

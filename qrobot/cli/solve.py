@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from qrobot._json import json_text
-from qrobot.cli.options import FILE, Robots, Setting, ignore_columns, rounding
+from qrobot.cli.options import FILE, Robots, Setting, ignore_columns, rounding, settings_of
+from qrobot.cli.streams import say, say_json
+
+if TYPE_CHECKING:
+    from qrobot.planning import Result
 
 __all__ = ["command"]
 
@@ -43,7 +46,9 @@ __all__ = ["command"]
 )
 @click.option("--dry-run", is_flag=True, help="Say what it would cost; submit nothing.")
 @click.option("--no-wait", is_flag=True, help="Submit a remote job, print its id, and leave.")
-@click.option("--output", "-o", type=FILE, help="Write the plan as JSON.")
+@click.option(
+    "--output", "-o", multiple=True, type=FILE, help="Write the plan as JSON. Repeatable."
+)
 @click.option(
     "--picture",
     "-p",
@@ -52,7 +57,7 @@ __all__ = ["command"]
     help="Draw the plan: .svg or .png, repeatable.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON, nothing else.")
-@click.option("--quiet", "-q", is_flag=True, help="No progress, no table.")
+@click.option("--quiet", "-q", is_flag=True, help="Only warnings and errors.")
 def command(
     instance: str,
     backend: str,
@@ -74,7 +79,7 @@ def command(
     max_cost: float | None,
     dry_run: bool,
     no_wait: bool,
-    output: str | None,
+    output: tuple[str, ...],
     picture: tuple[str, ...],
     as_json: bool,
     quiet: bool,
@@ -105,82 +110,99 @@ def command(
         require(backend)  # before numpy and dimod: what is absent is told at once
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
-    from qrobot.errors import InfeasibleError, QRobotError
+    from qrobot.errors import InfeasibleError
     from qrobot.planning import solve
     from qrobot.problem.formats import read
     from qrobot.report.outputs import check_outputs
 
-    check_outputs(
-        [*([output] if output else []), *picture], [instance, *([layout] if layout else [])]
-    )
+    check_outputs([*output, *picture], [instance, *([layout] if layout else [])])
     if picture:
         from qrobot.report import check_picture_path
 
         for path in picture:
             check_picture_path(path)
-    options: dict[str, Any] = {"encoding": encoding, "slack": slack, "num_reads": reads}
-    options = {name: value for name, value in options.items() if value is not None} | dict(settings)
-    with stop_on_signals() as stop, progress_line(quiet or as_json) as line:
-        question = read(
-            instance,
-            layout=layout,
-            robots=robots,
-            capacity=capacity,
-            split_orders=split_orders,
-            rounding=rounding,
-            ignore_columns=ignore_columns,
-        )
-        if dry_run or no_wait:
-            useless = {
-                "--output": output, "--picture": picture, "--control": control,
-                "--fallback": fallback, "--deadline": deadline,
-            }  # fmt: skip
-            _refuse("--dry-run" if dry_run else "--no-wait", useless)
-            _only(dry_run, question, backend, seed, max_cost, max_work, options, as_json)
-            return
-        try:
-            result = solve(
-                question,
-                backend=backend,
-                deadline=deadline,
-                max_work=max_work,
-                seed=seed,
-                control=control,
-                max_cost=max_cost,
-                fallback=fallback,
-                stop=stop,
-                on_progress=line,
-                **options,
+    options = settings_of(
+        {
+            "encoding": ("--encoding", encoding),
+            "slack": ("--slack", slack),
+            "num_reads": ("--reads", reads),
+        },
+        settings,
+    )
+    with stop_on_signals() as stop:
+        with progress_line(quiet or as_json) as line:
+            question = read(
+                instance,
+                layout=layout,
+                robots=robots,
+                capacity=capacity,
+                split_orders=split_orders,
+                rounding=rounding,
+                ignore_columns=ignore_columns,
             )
-        except InfeasibleError as error:
-            if stop.requested and not error.proven:
-                raise click.Abort from None  # interrupted before there was a plan
-            raise
-    # The files first: a reader of the output that goes away must not cost the plan. A disk
-    # that is full must not cost it either, so the output comes before its error.
-    trouble = None
-    try:
-        if output:
-            result.save(output)
-        if picture:
-            from qrobot.report import plot
-
-            for path in picture:
-                plot(result, path)
-    except QRobotError as error:
-        trouble = error
+            if dry_run or no_wait:
+                useless = {
+                    "--output": output, "--picture": picture, "--control": control,
+                    "--fallback": fallback, "--deadline": deadline,
+                }  # fmt: skip
+                _refuse("--dry-run" if dry_run else "--no-wait", useless)
+                _only(dry_run, question, backend, seed, max_cost, max_work, options, as_json)
+                return
+            try:
+                result = solve(
+                    question,
+                    backend=backend,
+                    deadline=deadline,
+                    max_work=max_work,
+                    seed=seed,
+                    control=control,
+                    max_cost=max_cost,
+                    fallback=fallback,
+                    stop=stop,
+                    on_progress=line,
+                    **options,
+                )
+            except InfeasibleError as error:
+                if stop.requested and not error.proven:
+                    raise click.Abort from None  # interrupted before there was a plan
+                raise
+        # The files first, and before a second signal of the same hangup can end the program: no
+        # reader of the output that goes away must cost the plan.
+        trouble = _write(result, output, picture)
+    if result.answered_by != result.backend and (quiet or as_json):
+        say(f"qrobot: warning: {result.notes[-1]}", err=True)
+    # A disk that is full must not cost the plan either, so the output comes before its error.
     if as_json:
-        click.echo(json_text(result.to_dict(), indent=1, ensure_ascii=False))
+        say_json(result.to_dict())
     elif not quiet:
         from qrobot.report import table
 
-        click.echo(table(result))
-        click.echo(result.summary())
+        say(table(result))
+        say(result.summary())
     if trouble is not None:
         raise trouble
     if not (quiet or as_json):
-        for path in [*([output] if output else []), *picture]:
-            click.echo(f"written: {path}")
+        for path in [*output, *picture]:
+            say(f"written: {path}")
+
+
+def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) -> Exception | None:
+    """Write the plan and its pictures, all that can be; return the first error."""
+    from qrobot.errors import QRobotError
+
+    def draw(path: str) -> None:
+        from qrobot.report import plot
+
+        plot(result, path)
+
+    troubles: list[Exception] = []
+    for paths, write in ((output, result.save), (picture, draw)):
+        for path in paths:
+            try:
+                write(path)
+            except QRobotError as error:
+                troubles.append(error)
+    return troubles[0] if troubles else None
 
 
 def _refuse(flag: str, options: dict[str, Any]) -> None:
@@ -217,4 +239,7 @@ def _only(
             f"job {plain['id']} is {plain['state']}; "
             f"'qrobot jobs fetch {plain['id']} --plan plan.json' makes a plan of it"
         )
-    click.echo(json_text(plain, indent=1) if as_json else text)
+    if as_json:
+        say_json(plain)
+    else:
+        say(text)

@@ -10,13 +10,14 @@ from typing import Any, cast
 import dimod
 import numpy as np
 
-from qrobot._files import StrPath, write_bytes_atomic, write_text_atomic
+from qrobot._files import StrPath, path_text, write_bytes_atomic, write_text_atomic
 from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.models.model import build_model
 from qrobot.models.penalties import Encoding, Penalties
 from qrobot.models.slack import Slack
 from qrobot.problem import Instance
+from qrobot.problem.formats import instance_of
 
 __all__ = ["FORMATS", "coordinates", "export_model", "format_of"]
 
@@ -32,7 +33,7 @@ def format_of(path: StrPath) -> str:
     InputError
         When the ending is another.
     """
-    ending = os.path.splitext(os.fspath(path))[1].lower()
+    ending = os.path.splitext(path_text(path))[1].lower()
     if ending not in FORMATS:
         raise InputError(
             f"the ending {ending!r} does not name a format",
@@ -43,7 +44,7 @@ def format_of(path: StrPath) -> str:
 
 
 def export_model(
-    instance: Instance,
+    instance: Instance | StrPath,
     path: StrPath,
     encoding: str | None = None,
     slack: str | None = None,
@@ -54,7 +55,7 @@ def export_model(
     Parameters
     ----------
     instance
-        The question.
+        The question, or the path of its file.
     path
         ``.lp``: the constrained model, from docplex. ``.bqm.json`` or ``.json``: the
         penalty form, to be read by `dimod.BinaryQuadraticModel.from_serializable`.
@@ -89,6 +90,7 @@ def export_model(
         When docplex is needed and not installed.
     """
     kind = format_of(path)
+    instance = instance_of(instance)
     if kind == "lp":
         return {"format": kind} | _write_lp(instance, path, encoding or "reduced", slack)
     model = build_model(

@@ -10,6 +10,8 @@ import dimod
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._files import StrPath
+from qrobot._notebook import shown_name
 from qrobot.errors import InputError
 from qrobot.models.assemble import assemble
 from qrobot.models.compact import compact_layout
@@ -22,6 +24,7 @@ from qrobot.models.potentials import potentials_of
 from qrobot.models.reduced import reduced_layout
 from qrobot.models.slack import Slack
 from qrobot.problem import Instance
+from qrobot.problem.formats import instance_of
 
 __all__ = ["ENCODINGS", "PickingModel", "Symmetry", "build_model", "model_for"]
 
@@ -32,7 +35,7 @@ DIGITS = 2.0**31
 """Largest square of a capacity, in constraint weights: leaves 7 digits for the distances."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PickingModel:
     """A binary quadratic model of an instance, and what its variables mean.
 
@@ -60,6 +63,12 @@ class PickingModel:
     bqm: dimod.BinaryQuadraticModel
     slack: Slack
     symmetry: Symmetry
+
+    def __repr__(self) -> str:
+        return (
+            f"<PickingModel of {shown_name(self.instance.name)}: {self.encoding}, "
+            f"{self.num_variables} variables, {self.bqm.num_interactions} couplings>"
+        )
 
     @property
     def encoding(self) -> Encoding:
@@ -138,7 +147,7 @@ class PickingModel:
 
 
 def build_model(
-    instance: Instance,
+    instance: Instance | StrPath,
     encoding: Encoding = "compact",
     slack: Slack = "exact",
     penalties: Penalties | Mapping[str, float] | str | None = None,
@@ -149,7 +158,7 @@ def build_model(
     Parameters
     ----------
     instance
-        The question; n items, K robots.
+        The question, or the path of its file; n items, K robots.
     encoding
         ``compact`` (fewest variables, for samplers), or the paper's ``reduced``,
         K n (n + 1) variables and slack, or ``full``, K (n + 1) (n + 2) and slack.
@@ -170,6 +179,7 @@ def build_model(
     InfeasibleError
         When the compact encoding proves that no plan exists.
     """
+    instance = instance_of(instance)
     _choice("encoding", encoding, ENCODINGS)
     _choice("slack", slack, ("exact", "paper"))
     _choice("symmetry", symmetry, ("keep", "break"))
@@ -197,7 +207,7 @@ def build_model(
 
 
 def model_for(
-    instance: Instance, purpose: Literal["anneal", "gate", "paper"] = "anneal"
+    instance: Instance | StrPath, purpose: Literal["anneal", "gate", "paper"] = "anneal"
 ) -> PickingModel:
     """Build the model that suits a purpose.
 

@@ -1,6 +1,7 @@
 """The answer: trips and plans, and the checker that trusts no solver."""
 
-from qrobot.plan.checker import CheckReport, Problem, check
+from qrobot.plan.checker import CheckReport, Problem
+from qrobot.plan.files import check, plan_of, read_plan
 from qrobot.plan.plan import PLAN_SCHEMA, Plan, Trip
 
-__all__ = ["PLAN_SCHEMA", "CheckReport", "Plan", "Problem", "Trip", "check"]
+__all__ = ["PLAN_SCHEMA", "CheckReport", "Plan", "Problem", "Trip", "check", "plan_of", "read_plan"]

@@ -9,18 +9,21 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any, TypeVar
 
+from qrobot._notebook import html_table, shown_name
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
 from qrobot.problem.names import canonical
 
-__all__ = ["PLAN_SCHEMA", "Plan", "Trip"]
+__all__ = ["PLAN_SCHEMA", "TABLE_HEADS", "Plan", "Trip"]
 
 PLAN_SCHEMA = "qrobot.plan/1"
 
 _T = TypeVar("_T")
 
+TABLE_HEADS = ("trip", "robot", "load", "distance", "orders", "stops in sequence")
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Trip:
     """One way of one robot: out of the depot, past its stops in sequence, and back.
 
@@ -47,8 +50,14 @@ class Trip:
     load: float
     seconds: float
 
+    def __repr__(self) -> str:
+        return (
+            f"<Trip of {shown_name(self.robot)}: {len(self.stops)} stops, "
+            f"distance {self.distance:g}, load {self.load:g}>"
+        )
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Plan:
     """Trips that together answer an instance. Robots without a trip stay home.
 
@@ -68,6 +77,34 @@ class Plan:
     distance: float
     instance: str = "instance"
     split: bool = False
+
+    def __repr__(self) -> str:
+        return f"<Plan of {self._headline()}>"
+
+    def _repr_html_(self) -> str:
+        """Return a table for notebooks."""
+        return html_table(f"Plan of {self._headline()}", TABLE_HEADS, self.rows())
+
+    def _headline(self) -> str:
+        stops = sum(len(trip.stops) for trip in self.trips)
+        return (
+            f"{shown_name(self.instance)}: {len(self.trips)} trips, {stops} stops, "
+            f"distance {self.distance:g}"
+        )
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Return the cells of a table with the heads `TABLE_HEADS`, a row a trip."""
+        return [
+            (
+                str(number),
+                trip.robot,
+                f"{trip.load:g}",
+                f"{trip.distance:g}",
+                str(len(trip.orders)),
+                " ".join(trip.stops),
+            )
+            for number, trip in enumerate(self.trips, 1)
+        ]
 
     @classmethod
     def from_routes(cls, instance: Instance, routes: Sequence[Sequence[int]]) -> Plan:
@@ -228,9 +265,9 @@ def _text(value: Any) -> str:
 
 
 def _list(value: Any) -> list[Any]:
-    if not isinstance(value, list):
+    if not isinstance(value, list | tuple):
         raise TypeError(f"{value!r:.40} is not a list")
-    return value
+    return list(value)
 
 
 def _texts(value: Any) -> tuple[str, ...]:

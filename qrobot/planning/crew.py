@@ -16,7 +16,7 @@ import threading
 from collections.abc import Callable
 from typing import IO
 
-from qrobot._children import import_path
+from qrobot._children import child_environment
 from qrobot.backends import Routes
 from qrobot.problem import Instance
 
@@ -73,7 +73,7 @@ class Crew:
             task = pickle.dumps((instance, backend, seed + h, seconds, max_work))
             process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "qrobot.planning.worker"],
-                env=os.environ | {"PYTHONPATH": import_path()},
+                env=child_environment(),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,

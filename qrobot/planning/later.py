@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
+from qrobot._files import StrPath
 from qrobot.backends import Planner, Stop, get
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.models import build_model
+from qrobot.planning.arguments import check_arguments, check_options
 from qrobot.planning.auto import bound_from_below
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.reads import parameters_of, split_options, take_reads
 from qrobot.planning.result import Result
 from qrobot.planning.run import Run
 from qrobot.planning.sampling import build, use_reads
-from qrobot.planning.solving import DEFAULT_DEADLINE, refuse_options, result_of
+from qrobot.planning.solving import DEFAULT_DEADLINE, result_of
 from qrobot.problem import Instance
+from qrobot.problem.formats import instance_of
 from qrobot.problem.formats.native import parse_native
 from qrobot.remote import Estimate, JobStore, fetch, with_retries
 from qrobot.remote.cost import FREE
@@ -24,7 +27,7 @@ __all__ = ["collect", "estimate", "submit"]
 
 
 def estimate(
-    instance: Instance,
+    instance: Instance | StrPath,
     backend: str,
     *,
     seed: int = 0,
@@ -43,11 +46,12 @@ def estimate(
     BackendError
         When a remote backend cannot be asked.
     """
+    check_arguments(backend=backend, seed=seed, max_work=max_work)
+    instance = instance_of(instance)
     sampler = None if backend == "auto" else get(backend)
     if sampler is None or isinstance(sampler, Planner):
-        refuse_options(backend, options)
+        check_options(backend, sampler, options)
         return FREE
-    options = {name: value for name, value in options.items() if name != "rounds"}
     chosen, sampling = split_options(sampler, options)
     if not instance.orders:
         return FREE
@@ -63,7 +67,7 @@ def estimate(
 
 
 def submit(
-    instance: Instance,
+    instance: Instance | StrPath,
     backend: str,
     *,
     seed: int = 0,
@@ -89,6 +93,8 @@ def submit(
     BackendError
         When it could not be handed over.
     """
+    check_arguments(backend=backend, seed=seed, max_cost=max_cost)
+    instance = instance_of(instance)
     if not instance.orders:
         raise InputError("there is nothing to collect", field="orders", mend="leave the job out")
     if (reason := reason_infeasible(instance)) is not None:

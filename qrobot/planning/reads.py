@@ -11,17 +11,16 @@ import dimod
 import numpy as np
 
 from qrobot.backends import Stop
-from qrobot.backends.sampler import PickingSampler, check_known, check_whole
+from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError, QRobotError
 from qrobot.models import Penalties, PickingModel
+from qrobot.planning.arguments import MODEL_OPTIONS, check_options
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 from qrobot.problem.formats.native_writer import to_text
 from qrobot.remote import redact, timing_fields
 
-__all__ = ["AFTERWARDS", "MODEL_OPTIONS", "parameters_of", "split_options", "take_reads"]
-
-MODEL_OPTIONS = ("encoding", "slack", "penalties")
+__all__ = ["AFTERWARDS", "parameters_of", "split_options", "take_reads"]
 
 MAX_CELLS = 500_000_000
 """Reads times variables, one byte each: more than this fills a small robot's memory."""
@@ -42,11 +41,11 @@ def split_options(
     Raises
     ------
     InputError
-        When neither takes an option.
+        When neither takes an option, or not this value.
     """
+    check_options(sampler.name, sampler, options)
     chosen = {name: options[name] for name in MODEL_OPTIONS if name in options}
-    sampling = {name: value for name, value in options.items() if name not in MODEL_OPTIONS}
-    check_known(sampler, sampling)
+    sampling = {k: v for k, v in options.items() if k not in (*MODEL_OPTIONS, "rounds")}
     return chosen, sampling
 
 
@@ -141,13 +140,11 @@ def parameters_of(
     Raises
     ------
     InputError
-        When the number of reads is none, or they do not fit into the memory.
+        When the reads do not fit into the memory.
     """
     d = model.instance.place_distances
     largest = float(d.max(initial=0.0, where=np.isfinite(d))) or 1.0
     parameters = sampler.picking_defaults(largest_distance=largest) | sampling
-    if parameters.get("num_reads") is not None:
-        check_whole("num_reads", parameters["num_reads"], 1)
     if "seed" in sampler.parameters:
         parameters.setdefault("seed", seed)
     if "interrupt_function" in sampler.parameters:
@@ -155,7 +152,7 @@ def parameters_of(
         part = stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
         parameters.setdefault("interrupt_function", part)
     if stop.max_work is not None and "num_reads" in sampler.parameters:
-        parameters["num_reads"] = min(parameters.get("num_reads", 100), stop.max_work)
+        parameters["num_reads"] = min(parameters.get("num_reads") or 100, stop.max_work)
     reads = parameters.get("num_reads")
     if isinstance(reads, int) and reads * model.num_variables > MAX_CELLS:
         raise InputError(

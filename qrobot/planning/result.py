@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import math
 import os
+import tempfile
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 from qrobot._files import write_text_atomic
 from qrobot._json import json_text
+from qrobot._notebook import html_table, shown_name
 from qrobot.plan import Plan
+from qrobot.plan.plan import TABLE_HEADS
 from qrobot.problem import Instance
 
 __all__ = ["Result", "SamplerReport", "Timing"]
 
 Ending = Literal["proven", "deadline", "work", "interrupted", "finished"]
+
+MOST_DRAWN = 500
+"""Items of the largest plan whose picture a notebook shows by itself."""
 
 _ENDINGS = {
     "proven": "stopped at the proof",
@@ -25,7 +32,7 @@ _ENDINGS = {
 }
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False)
 class SamplerReport:
     """What a sampler found by itself, before any repair or polish.
 
@@ -80,6 +87,13 @@ class SamplerReport:
     of_plans: bool = False
     details: dict[str, Any] = field(default_factory=dict, compare=False)
 
+    def __repr__(self) -> str:
+        best = "no plan among them" if self.best is None else f"best {self.best:g}"
+        return (
+            f"<SamplerReport of {self.backend}: {_reads(self)} of {self.variables} variables, "
+            f"{_percent(self.feasible_fraction)} feasible, {best}>"
+        )
+
 
 @dataclass(slots=True)
 class Timing:
@@ -120,7 +134,7 @@ class Timing:
         return {name.rstrip("_"): value for name, value in asdict(self).items()}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """A checked plan and everything that is known about it.
 
@@ -171,6 +185,44 @@ class Result:
         if not self.answered_by:
             object.__setattr__(self, "answered_by", self.backend)
 
+    def __repr__(self) -> str:
+        return f"<Result of {self._headline()}>"
+
+    def _headline(self) -> str:
+        return (
+            f"{shown_name(self.instance.name)} by {self.answered_by}: distance {self.cost:g}, "
+            f"{self._quality()}, {len(self.plan.trips)} trips"
+        )
+
+    def _repr_html_(self) -> str:
+        """Return a table for notebooks, and the picture where matplotlib is installed."""
+        title = f"Result of {self._headline()}"
+        return html_table(title, TABLE_HEADS, self.plan.rows(), self._picture())
+
+    def _picture(self) -> str:
+        """Return the picture as inline SVG, or nothing when it cannot be drawn."""
+        import qrobot
+
+        if self.instance.size > MOST_DRAWN:
+            return ""
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "plan.svg"
+                qrobot.plot(self, path)
+                text = path.read_text(encoding="utf-8")
+        except Exception:  # whatever hinders a picture: the table must be shown
+            return ""
+        return text[text.index("<svg") :]
+
+    def _quality(self) -> str:
+        if self.is_optimal:
+            return "proven optimal"
+        if math.isinf(self.gap):
+            return "no lower bound is known"
+        # Rounded up: the statement must stay true.
+        above = math.ceil(self.gap * 1e4) / 1e4
+        return f"at most {above:.2%} above the optimum (bound {self.bound:g})"
+
     @property
     def cost(self) -> float:
         """Total distance of the plan, metres."""
@@ -186,18 +238,10 @@ class Result:
     def summary(self) -> str:
         """Return the result in a few plain lines."""
         robots = len(self.instance.robots)
-        if self.is_optimal:
-            quality = "proven optimal"
-        elif math.isinf(self.gap):
-            quality = "no lower bound is known"
-        else:
-            # Rounded up: the statement must stay true.
-            above = math.ceil(self.gap * 1e4) / 1e4
-            quality = f"at most {above:.2%} above the optimum (bound {self.bound:g})"
         lines = [
             f"{self.instance.name}: {self.instance.size} items in {len(self.instance.orders)} "
             f"orders, {self.plan.robots_used} of {robots} robots used",
-            f"distance {self.cost:g}, {quality}",
+            f"distance {self.cost:g}, {self._quality()}",
             f"{' + '.join(self.steps) or self.backend} in {self.timing.total:.2f} s, "
             f"{_ENDINGS[self.ended]}",
         ]
@@ -245,7 +289,7 @@ class Result:
             "timing": self.timing.to_dict(),
             "notes": list(self.notes),
         }
-        return data
+        return {name: _plain(value) for name, value in data.items()}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the result as JSON; never leaves a half-written file.
@@ -256,6 +300,15 @@ class Result:
             When the file cannot be written.
         """
         write_text_atomic(path, json_text(self.to_dict(), indent=1, ensure_ascii=False) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    """Return plain data without what JSON has no word for: NaN and infinity become null."""
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _optimal(share: float | None) -> str:

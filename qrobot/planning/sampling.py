@@ -70,23 +70,17 @@ def run_sampler(
                 field=name,
                 mend=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
             )
-    most = _most_rounds(options.get("rounds"))
-    options = {name: value for name, value in options.items() if name != "rounds"}
     chosen, sampling = split_options(sampler, options)
     run.begin(sampler.name)
     with run.timed("build"):
         model = build(instance, sampler, chosen)
-    model, samples, reads, rounds = sample_in_rounds(run, sampler, model, chosen, sampling, most)
+    model, samples, reads, rounds = sample_in_rounds(
+        run, sampler, model, chosen, sampling, options.get("rounds")
+    )
     if not len(samples):
         raise BackendError(f"backend {sampler.name} gave no reads")
     run.work[sampler.name] = reads
     use_reads(run, sampler.name, model, samples, reads=reads, rounds=rounds, control=control)
-
-
-def _most_rounds(value: Any) -> int | None:
-    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
-        raise InputError(f"{value!r} is no number of rounds", field="rounds", mend="use 1 or more")
-    return value
 
 
 def build(instance: Instance, sampler: PickingSampler, chosen: dict[str, Any]) -> PickingModel:

@@ -6,25 +6,28 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from qrobot._files import StrPath
 from qrobot.backends import Planner, Stop, get
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.plan import Plan, check
+from qrobot.planning.arguments import check_arguments, check_options
 from qrobot.planning.auto import bound_from_below, run_auto
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.interrupts import graceful_interrupts
 from qrobot.planning.result import Ending, Result, SamplerReport
 from qrobot.planning.run import TIE, Progress, Run
 from qrobot.problem import Instance
+from qrobot.problem.formats import instance_of
 from qrobot.remote import run_with_fallback
 
-__all__ = ["DEFAULT_DEADLINE", "refuse_options", "result_of", "solve"]
+__all__ = ["DEFAULT_DEADLINE", "result_of", "solve"]
 
 DEFAULT_DEADLINE = 10.0
 """Seconds, when neither a deadline nor a limit of work is given."""
 
 
 def solve(
-    instance: Instance,
+    instance: Instance | StrPath,
     *,
     backend: str = "auto",
     deadline: float | None = None,
@@ -42,7 +45,7 @@ def solve(
     Parameters
     ----------
     instance
-        The question.
+        The question, or the path of a file as `qrobot.read` takes it.
     backend
         A backend by name, or ``auto`` for the best plan that the installed software and
         the deadline allow.
@@ -88,25 +91,20 @@ def solve(
     BackendError
         When the backend failed.
     """
-    for name, limit in (("max_cost", max_cost), ("deadline", deadline)):
-        if limit is not None and (isinstance(limit, bool) or not isinstance(limit, int | float)):
-            raise InputError(f"{limit!r} is no number", field=name, mend="give a plain number")
-    if deadline is not None and not deadline > 0:
-        raise InputError(
-            f"deadline {deadline:g} is not positive", field="deadline", mend="give seconds above 0"
-        )
-    if max_work is not None and max_work < 1:
-        raise InputError(
-            f"max_work {max_work} is too little", field="max_work", mend="give 1 or more"
-        )
-    if seed < 0:
-        raise InputError(f"seed {seed} is negative", field="seed", mend="give 0 or more")
-    if max_cost is not None and not max_cost >= 0:
-        raise InputError(
-            f"{max_cost:g} is no amount of money", field="max_cost", mend="give 0 or more dollars"
-        )
+    check_arguments(
+        backend=backend,
+        deadline=deadline,
+        max_work=max_work,
+        seed=seed,
+        control=control,
+        max_cost=max_cost,
+        fallback=fallback,
+        stop=stop,
+        on_progress=on_progress,
+    )
+    instance = instance_of(instance)
     limits = Stop(deadline, max_work, parent=stop)
-    ask = _Question(instance, limits, seed, control, max_cost, on_progress)
+    ask = _Question(instance, limits, int(seed), control, max_cost, on_progress)
     if fallback is None:
         return ask.answer(backend, options)
     _check_fallback(fallback)
@@ -136,12 +134,12 @@ class _Question:
     def answer(self, backend: str, options: dict[str, Any]) -> Result:
         """Return the plan of one backend."""
         chosen = None if backend == "auto" else get(backend)
-        planner = chosen is None or isinstance(chosen, Planner)
-        if planner:
-            refuse_options(backend, options)
-        if self.control and planner:
+        check_options(backend, chosen, options)
+        if self.control and not _has_control(chosen):
             raise InputError(
-                f"backend {backend} has no control", field="control", mend="it is for samplers"
+                f"backend {backend} has no control",
+                field="control",
+                mend="leave it out, or choose a sampler such as neal",
             )
         run = Run(self.instance, self._limits(chosen, options), self.seed, self.on_progress)
         if (reason := reason_infeasible(self.instance)) is not None:
@@ -171,9 +169,9 @@ class _Question:
         return Stop(DEFAULT_DEADLINE, parent=stop)
 
     def for_fallback(self, name: str) -> _Question:
-        """Return what is asked of a fallback: planners have no control."""
-        planner = name == "auto" or isinstance(get(name), Planner)
-        return replace(self, control=False) if planner else self
+        """Return what is asked of a fallback, which may have no control."""
+        chosen = None if name == "auto" else get(name)
+        return self if _has_control(chosen) else replace(self, control=False)
 
     def shared(self, name: str, options: dict[str, Any]) -> dict[str, Any]:
         """Return the options that a fallback understands too."""
@@ -184,20 +182,11 @@ class _Question:
         return {key: value for key, value in options.items() if key in known}
 
 
-def refuse_options(backend: str, options: dict[str, Any]) -> None:
-    """Refuse options of a backend that takes none.
-
-    Raises
-    ------
-    InputError
-        With their names.
-    """
-    if options:
-        raise InputError(
-            f"backend {backend} takes no option {', '.join(sorted(options))}",
-            field="backend",
-            mend="leave it out, or choose a sampler such as neal",
-        )
+def _has_control(chosen: Any) -> bool:
+    """Whether a backend's reads can be told beside as many random ones."""
+    if isinstance(chosen, Planner):
+        return chosen.capabilities.control
+    return chosen is not None
 
 
 SHARED_OPTIONS = ("encoding", "slack", "penalties", "num_reads", "seed")
@@ -206,7 +195,11 @@ SHARED_OPTIONS = ("encoding", "slack", "penalties", "num_reads", "seed")
 
 def _check_fallback(name: str) -> None:
     """Refuse a fallback that may fail like the backend it stands for."""
-    if name != "auto" and not get(name).capabilities.local:
+    try:
+        chosen = None if name == "auto" else get(name)
+    except InputError as error:
+        raise InputError(error.problem, field="fallback", mend=error.mend) from None
+    if chosen is not None and not chosen.capabilities.local:
         raise InputError(
             f"backend {name} is remote itself", field="fallback", mend="name a local one, as auto"
         )

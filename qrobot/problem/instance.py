@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -16,6 +17,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._notebook import html_table, shown_name
 from qrobot.errors import InputError
 from qrobot.problem.asymmetry import unreachable, unusual
 from qrobot.problem.checks import check_reference
@@ -28,7 +30,7 @@ from qrobot.problem.warehouse import DistanceTable, OpenFloor, Place, Warehouse
 __all__ = ["Instance"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Instance:
     """A warehouse, what to collect from it, and who collects.
 
@@ -72,6 +74,19 @@ class Instance:
         check_entities(self.warehouse, self.items, self.orders, self.robots)
         if self.reference is not None:
             check_reference(self.reference)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Instance {shown_name(self.name)}: {len(self.items)} items, "
+            f"{len(self.orders)} orders, {len(self.robots)} robots>"
+        )
+
+    def _repr_html_(self) -> str:
+        """Return a table of the fleet for notebooks."""
+        fleet = Counter((float(robot.capacity), robot.trips) for robot in self.robots)
+        heads = ("robots", "capacity", "trips of each")
+        rows = [(number, f"{room:g}", trips) for (room, trips), number in fleet.items()]
+        return html_table(f"{repr(self)[1:-1]} in {self.warehouse.kind}", heads, rows)
 
     # -- numbers for solvers ---------------------------------------------------------
 

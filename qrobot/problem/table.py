@@ -38,6 +38,9 @@ class DistanceTable:
     positions: tuple[tuple[float, float], ...] | None = None
     kind: Literal["matrix"] = "matrix"
 
+    def __repr__(self) -> str:
+        return f"<DistanceTable of {len(self.matrix)} rows, depot {self.depot_node}>"
+
     def __post_init__(self) -> None:
         """Check that the matrix is square and made of distances."""
         size = len(self.matrix)

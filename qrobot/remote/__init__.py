@@ -14,11 +14,12 @@ from qrobot.remote.manage import cancel, fetch, refresh_all
 from qrobot.remote.redaction import redact, redact_data, register_secret
 from qrobot.remote.retry import Backoff, with_retries
 from qrobot.remote.samples import plain
-from qrobot.remote.service import PARAMETERS, Keep, Options, RemoteService
+from qrobot.remote.service import LIMITS, PARAMETERS, Keep, Options, RemoteService
 from qrobot.remote.store import JobStore, default_path
 from qrobot.remote.timing import breakdown, timing_fields
 
 __all__ = [
+    "LIMITS",
     "PARAMETERS",
     "Answer",
     "Backoff",

@@ -6,21 +6,29 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from qrobot.errors import InputError
+from qrobot._parameters import Parameter
 from qrobot.remote.job import Answer, Estimate, RemoteJob, State
 from qrobot.remote.retry import Backoff
 
 if TYPE_CHECKING:
     import dimod
 
-__all__ = ["PARAMETERS", "Keep", "Options", "RemoteService"]
+__all__ = ["LIMITS", "PARAMETERS", "Keep", "Options", "RemoteService"]
 
 Keep = Callable[[dict[str, Any]], None]
 """Keeps plain data beside the job, on the disk, before it is submitted."""
 
-PARAMETERS: dict[str, list[str]] = {
-    name: [] for name in ("timeout", "max_cost", "dry_run", "wait", "interrupt_function", "context")
+LIMITS: dict[str, Parameter] = {
+    "timeout": Parameter("number", 0, above=True),
+    "max_cost": Parameter("number", 0),
+    "dry_run": Parameter("flag"),
+    "wait": Parameter("flag"),
+    "interrupt_function": Parameter("function"),
+    "context": Parameter("names"),
 }
+"""What each parameter of a remote job's life takes; see `Options`."""
+
+PARAMETERS: dict[str, list[str]] = {name: [] for name in LIMITS}
 """Sampling parameters that every remote sampler takes; see `Options`."""
 
 
@@ -86,22 +94,8 @@ def check_limits(parameters: Mapping[str, Any]) -> None:
     InputError
         When one is of no use.
     """
-    for name, least in (("timeout", "above 0 seconds"), ("max_cost", "0 or more dollars")):
-        value = parameters.get(name)
-        if value is None:
-            continue
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not (value > 0 or (name == "max_cost" and value == 0)):
-            raise InputError(f"{value!r} is not {least}", field=name, mend="correct it")
-    for name in ("dry_run", "wait"):
-        if not isinstance(parameters.get(name, False), bool | None):
-            raise InputError(
-                f"{parameters[name]!r} is neither true nor false", field=name, mend="correct it"
-            )
-    if not callable(parameters.get("interrupt_function") or bool):
-        raise InputError("is no function", field="interrupt_function", mend="leave it out")
-    if not isinstance(parameters.get("context"), dict | None):
-        raise InputError("is no plain data by name", field="context", mend="give a dictionary")
+    for name, limit in LIMITS.items():
+        limit.check(name, parameters.get(name))
 
 
 @dataclass(slots=True)

@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from qrobot._children import import_path
+from qrobot._children import child_environment
 from qrobot._files import read_text, write_text_atomic
 from qrobot._json import json_text
 from qrobot.errors import InputError
@@ -99,7 +99,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     root = Path(folder)
     if not root.is_dir():
         raise InputError(
-            "is no folder", source=os.fspath(folder), mend="give a folder of instances"
+            "is not a folder", source=os.fspath(folder), mend="give a folder of instances"
         )
     found = sorted(
         path
@@ -197,12 +197,12 @@ def tasks(
 
 def _rule(text: str) -> tuple[str, int | str]:
     pattern, _, number = text.partition("=")
-    if pattern and number == "free":
+    if pattern and number.lower() == "free":
         return pattern, "free"
-    if pattern and number.isdigit() and int(number) > 0:
+    if pattern and number.isascii() and number.isdigit() and int(number) > 0:
         return pattern, int(number)
     raise InputError(
-        f"{text!r} is no rule", field="--robots-for", mend="write it like 'X-*=free' or 'A-*=5'"
+        f"{text!r} is not a rule", field="--robots-for", mend="write it like 'X-*=free' or 'A-*=5'"
     )
 
 
@@ -264,9 +264,10 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
                     *(sys.executable, "-P", "-m", "qrobot.report.bench_worker"),
                     *(json_text(asdict(task)), str(os.getpid())),
                 ],
-                env=os.environ | {"PYTHONPATH": import_path()},
+                env=child_environment(),
                 capture_output=True,
-                text=True,
+                encoding="utf-8",
+                errors="replace",
                 timeout=limit,
                 check=False,
                 start_new_session=True,  # Ctrl-C is for us: a run cut short is no row

@@ -6,11 +6,9 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from qrobot._files import NO_PERMISSION, StrPath, read_text
+from qrobot._files import NO_PERMISSION, StrPath
 from qrobot.errors import InputError
-from qrobot.plan import Plan
-from qrobot.problem.formats.jsontext import loads
-from qrobot.problem.formats.positions import find_path
+from qrobot.plan import read_plan
 
 __all__ = ["check_outputs", "check_writable", "read_plan"]
 
@@ -24,6 +22,12 @@ def check_writable(path: StrPath) -> None:
         When the folder is missing, it or the file may not be written, or the path is a
         folder.
     """
+    if os.fspath(path) == "-":
+        raise InputError(
+            "names no file",
+            source="-",
+            mend="use /dev/stdout for the standard output, or ./- for a file of this name",
+        )
     target = Path(path)
     folder = target.parent
     if target.is_dir():
@@ -65,24 +69,3 @@ def check_outputs(outputs: Sequence[StrPath], inputs: Sequence[StrPath] = ()) ->
         if real in taken and not real.startswith("/dev/"):
             raise InputError(taken[real], source=os.fspath(path), mend="give another name")
         taken[real] = "is written twice"
-
-
-def read_plan(path: StrPath) -> Plan:
-    """Read a plan that `Result.save` or ``qrobot solve --output`` wrote.
-
-    Raises
-    ------
-    InputError
-        When the file is not a plan, with line and column.
-    """
-    text = read_text(path)
-    try:
-        return Plan.from_dict(loads(text))
-    except InputError as error:
-        place = find_path(text, error.field) if error.field else None
-        raise InputError(
-            error.problem,
-            source=os.fspath(path),
-            field=f"{error.field}, {place}" if place else error.field,
-            mend=error.mend,
-        ) from None

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from qrobot._files import write_bytes_atomic
+from qrobot._files import StrPath, path_text, write_bytes_atomic
 from qrobot.errors import InputError, MissingExtraError
 from qrobot.plan import Plan
 from qrobot.problem import AisleWarehouse, Instance
@@ -26,14 +26,14 @@ DOTS_PER_INCH = 160
 
 
 def plot(
-    answer: Result | Plan, path: str | os.PathLike[str], instance: Instance | None = None
+    answer: Result | Plan | StrPath, path: StrPath, instance: Instance | StrPath | None = None
 ) -> None:
     """Draw a plan and write it as SVG or PNG, as the file's suffix says.
 
     Parameters
     ----------
     answer
-        A result, or a plan together with its instance.
+        A result, or a plan (or the path of its file) together with its instance.
     path
         Where to write; never leaves a half-written file. The same plan gives the same file.
     instance
@@ -69,7 +69,7 @@ def check_picture_path(path: str | os.PathLike[str]) -> str:
     """
     if importlib.util.find_spec("matplotlib") is None:
         raise MissingExtraError("drawing pictures", "plot")
-    kind = Path(path).suffix.lower().lstrip(".")
+    kind = Path(path_text(path)).suffix.lower().lstrip(".")
     if kind not in {"svg", "png"}:
         raise InputError(
             f"{os.fspath(path)!r} names no kind of picture", mend="end it with .svg or .png"

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from qrobot._files import StrPath
 from qrobot.errors import InputError
-from qrobot.plan import Plan, Trip
+from qrobot.plan import Plan, Trip, plan_of
 from qrobot.problem import AisleWarehouse, Instance, Item, OpenFloor
+from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
 from qrobot.report.text import shortened
@@ -81,7 +84,7 @@ class Scene:
         return f"{number(value)}{self.unit}"
 
 
-def scene_of(answer: Result | Plan, instance: Instance | None = None) -> Scene:
+def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | None = None) -> Scene:
     """Look a plan up in its instance.
 
     Raises
@@ -89,13 +92,13 @@ def scene_of(answer: Result | Plan, instance: Instance | None = None) -> Scene:
     InputError
         When the plan is not one of this instance, or no instance was given.
     """
-    if isinstance(answer, Plan):
-        plan, quality = answer, ""
-        if instance is None:
-            raise InputError("a plan alone has no warehouse", mend="give its instance too")
-    else:
-        plan, quality = answer.plan, _quality(answer)
+    plan, quality = plan_of(answer), ""
+    if not isinstance(answer, Plan | str | os.PathLike):
+        quality = _quality(answer)
         instance = answer.instance if instance is None else instance
+    if instance is None:
+        raise InputError("a plan alone has no warehouse", mend="give its instance too")
+    instance = instance_of(instance)
     items = {item.id: item for item in instance.items}
     fleet = {robot.id: i for i, robot in enumerate(instance.robots)}
     several = {t.robot for t in plan.trips if sum(t.robot == o.robot for o in plan.trips) > 1}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import ClassVar
@@ -13,7 +14,7 @@ from oracles import least_distance, paper_shaped
 
 from qrobot.backends import Capabilities, Planner, Routes, Search, Stop
 from qrobot.backends.neal import NealSampler
-from qrobot.backends.sampler import PickingSampler
+from qrobot.backends.sampler import Parameter, PickingSampler
 from qrobot.backends.tabu import TabuSampler
 from qrobot.backends.testing import PlannerConformance, SamplerConformance, cases, verify
 from qrobot.errors import InputError
@@ -78,21 +79,28 @@ def test_reads_start_where_they_are_told_to(sampler: type[PickingSampler]) -> No
 
 
 @pytest.mark.parametrize(
-    ("sampler", "wrong"),
+    ("sampler", "wrong", "says"),
     [
-        (NealSampler, {"beta_range": [1.0, -1.0]}),
-        (NealSampler, {"beta_schedule_type": "wild"}),
-        (NealSampler, {"num_reads": 0}),
-        (NealSampler, {"num_reads": 1.5}),
-        (TabuSampler, {"tenure": 99}),
-        (TabuSampler, {"num_reads": -1}),
+        (NealSampler, {"beta_range": [1.0, -1.0]}, "beta_range: .* a list of 2 numbers, each of 0"),
+        (NealSampler, {"beta_schedule_type": "wild"}, "beta_schedule_type: 'wild' is not one of"),
+        (NealSampler, {"num_reads": 0}, "num_reads: 0 is not a whole number of 1 or more"),
+        (NealSampler, {"num_reads": 1.5}, "num_reads: 1.5 is not a whole number"),
+        (NealSampler, {"num_sweeps": 0}, "num_sweeps: 0 is not a whole number from 1 to 100000000"),
+        (NealSampler, {"beta_range": [math.nan, 1]}, "beta_range: .nan, 1. is not a list"),
+        (NealSampler, {"beta_range": [0.0, 1.0]}, "the annealer refused its parameters"),
+        (TabuSampler, {"tenure": 99}, "the tabu search refused its parameters"),
+        (TabuSampler, {"moves": "abc"}, "moves: 'abc' is not a whole number from 1"),
+        (TabuSampler, {"moves": 0}, "moves: 0 is not a whole number from 1"),
+        (TabuSampler, {"num_restarts": -1}, "num_restarts: -1 is not a whole number from 0"),
+        (TabuSampler, {"timeout": -5}, "timeout: -5 is not a whole number from 1"),
+        (TabuSampler, {"num_read": 5}, "takes no option num_read; did you mean num_reads[?]"),
     ],
 )
 def test_unusable_parameters_are_refused_in_a_sentence(
-    sampler: type[PickingSampler], wrong: dict[str, object]
+    sampler: type[PickingSampler], wrong: dict[str, object], says: str
 ) -> None:
     bqm = dimod.BinaryQuadraticModel({"a": -1.0, "b": 1.0}, {"ab": 0.5}, 0.0, "BINARY")
-    with pytest.raises(InputError, match="refused its parameters"):
+    with pytest.raises(InputError, match=says):
         sampler().sample(bqm, **wrong)
 
 
@@ -167,6 +175,36 @@ def test_the_sampler_suite_catches(check: str) -> None:
     class Suite(SamplerConformance):
         def make(self) -> PickingSampler:
             return Sloppy()
+
+    with pytest.raises(AssertionError):
+        getattr(Suite(), check)()
+
+
+class Careless:
+    """Looks at nothing that it is given: what a sampler without our base may do."""
+
+    name = "careless"
+    capabilities = Capabilities(kind="sampler")
+    parameters: ClassVar[dict[str, list[str]]] = {"num_reads": [], "colour": []}
+    accepts: ClassVar[dict[str, Parameter]] = {}
+
+    def sample(self, _bqm: object, **_: object) -> dimod.SampleSet:
+        return dimod.SampleSet.from_samples([{"a": 1}], energy=[0.0], vartype="BINARY")
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        "test_says_what_its_parameters_take",
+        "test_refuses_unknown_parameters_by_the_nearest_name",
+        "test_refuses_values_of_the_wrong_type_or_out_of_range",
+        "test_refuses_what_is_not_a_binary_quadratic_model",
+    ],
+)
+def test_the_sampler_suite_catches_careless_ones(check: str) -> None:
+    class Suite(SamplerConformance):
+        def make(self) -> PickingSampler:
+            return Careless()  # type: ignore[return-value]
 
     with pytest.raises(AssertionError):
         getattr(Suite(), check)()

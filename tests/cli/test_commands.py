@@ -104,7 +104,42 @@ def test_robots_and_capacity_are_overridden() -> None:
         (["solve", "missing.json"], 2, "missing.json"),
         (["solve", "{empty}"], 2, "empty"),
         (["solve", "{example}", "--backend", "nonsense"], 2, "use one of: auto, exact"),
+        (["solve", "{example}", "--backend", "nael"], 2, "did you mean neal? use one of: auto"),
+        (["solve", "{example}", "--fallback", "nael"], 2, "fallback: 'nael' is not a backend"),
+        (["solve", "{example}", "--output", "-"], 2, "use /dev/stdout"),
+        (["solve", "{example}", "-o", "a.json", "-o", "./a.json"], 2, "is written twice"),
         (["solve", "{example}", "--deadline", "-1"], 2, "deadline"),
+        (["solve", "{example}", "--deadline", "nan"], 2, "deadline: nan"),
+        (["solve", "{example}", "--max-cost", "inf"], 2, "max_cost: inf"),
+        (["solve", "{example}", "--robots", "1_0"], 2, "--robots"),
+        (["solve", "{example}", "--robots", "\u0663"], 2, "--robots"),
+        (["solve", "{example}", "-O", "dead_line=3"], 2, "did you mean deadline?"),
+        (["solve", "{example}", "-b", "neal", "-O", "dead_line=3"], 2, "did you mean deadline?"),
+        (["solve", "{example}", "-b", "neal", "-O", "num_sweep=3"], 2, "did you mean num_sweeps?"),
+        (["solve", "{example}", "-b", "neal", "-O", "num_sweeps=0"], 2, "num_sweeps: 0 is not"),
+        (["solve", "{example}", "-b", "neal", "-O", "rounds=0"], 2, "rounds: 0 is not"),
+        (["solve", "{example}", "-b", "neal", "-O", "beta_range=[NaN,1]"], 2, "beta_range: NaN"),
+        (
+            ["solve", "{example}", "-b", "neal", "-O", "beta_range=[1,1e999]"],
+            2,
+            "beta_range: 1e999",
+        ),
+        (
+            ["solve", "{example}", "-b", "neal", "-O", "num_reads=3", "--reads", "5"],
+            2,
+            "contradicts",
+        ),
+        (
+            ["solve", "{example}", "-b", "neal", "-O", "num_reads=3", "-O", "num_reads=4"],
+            2,
+            "-O num_reads=4 contradicts -O num_reads=3",
+        ),
+        (["solve", "{example}", "-b", "tabu", "-O", "moves=abc"], 2, "moves: 'abc' is not a whole"),
+        (["solve", "{example}", "-b", "tabu", "-O", "moves=null"], 2, "moves: None is not a whole"),
+        (["solve", "{example}", "-b", "tabu", "-O", "timeout=-5"], 2, "timeout: -5 is not a whole"),
+        (["solve", "{example}", "-b", "tabu", "-O", "timeout=true"], 2, "timeout: True is not"),
+        (["solve", "{example}", "-b", "exact", "--control"], 2, "backend exact has no control"),
+        (["jobs", "list", "--state", "over"], 2, "'over' is not one of"),
         (["solve", "{example}", "--robots", "many"], 2, "--robots"),
         (["solve", "{example}", "--capacity", "heavy"], 2, "capacity"),
         (["solve", "{example}", "--output", "no/such/folder/plan.json"], 2, "does not exist"),
@@ -118,7 +153,7 @@ def test_robots_and_capacity_are_overridden() -> None:
         (["bench", "{examples}", "--limit", "0"], 2, "--limit"),
         (["bench", "{examples}", "--backends", ","], 2, "no backend"),
         (["bench", "{folder}"], 2, "holds no"),
-        (["bench", "missing-folder"], 2, "is no folder"),
+        (["bench", "missing-folder"], 2, "is not a folder"),
         (["bench", "{examples}", "--seeds", "0"], 2, "--seeds"),
         (["bench", "{examples}", "--robots-for", "X=many"], 2, "--robots-for"),
     ],
@@ -136,9 +171,58 @@ def test_wrong_use_gets_one_sentence(
         "empty": empty,
         "folder": folder,
     }
-    done = qrobot(*[word.format(**places) for word in words], cwd=tmp_path)
+    words = [word.format(**places) if word[:1] == "{" else word for word in words]
+    done = qrobot(*words, cwd=tmp_path)
     assert done.returncode == code, done.stderr
-    assert says in one_sentence(done)
+    assert says in (done.stderr if "jobs" in words else one_sentence(done))
+
+
+def test_what_agrees_is_no_contradiction(tmp_path: Path) -> None:
+    question = EXAMPLES / "paper-4-items.json"
+    words = ("-b", "neal", "-O", "num_reads=3", "--reads", "3", "-O", "num_reads=3", "--json")
+    one, two = tmp_path / "one.json", tmp_path / "two.json"
+    done = qrobot("solve", question, *words, "-o", one, "-o", two)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["result"]["sampler"]["reads"] == 3
+    assert json.loads(one.read_text()) == json.loads(two.read_text()) == json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("word", ["free", "FREE", "Free"])
+def test_free_robots_however_it_is_written(word: str, tmp_path: Path) -> None:
+    question = EXAMPLES / "paper-4-items.json"
+    done = qrobot("solve", question, "--robots", word, "--capacity", "8", "--json")
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "one.json").write_text(question.read_text())
+    done = qrobot("bench", folder, "--robots", word, "--robots-for", f"*={word}", "--max-work", "9")
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_backend_that_tells_a_control_takes_the_flag() -> None:
+    question = EXAMPLES / "paper-4-items.json"
+    for backend in ("qaoa-swap", "qaoa-grover"):
+        plain = qrobot("solve", question, "-b", backend, "--json")
+        asked = qrobot("solve", question, "-b", backend, "--control", "--json")
+        assert asked.returncode == 0, asked.stderr
+        reports = [json.loads(done.stdout)["result"]["sampler"] for done in (plain, asked)]
+        assert reports[0] == reports[1]
+        assert reports[1]["random_best"] is not None
+
+
+@pytest.mark.parametrize("words", [["-q"], ["--json"], ["-q", "--json"]])
+def test_whose_answer_it_is_is_told_even_when_quiet(words: list[str], tmp_path: Path) -> None:
+    question, plan = EXAMPLES / "paper-4-items.json", tmp_path / "plan.json"
+    home = {"HOME": str(tmp_path), "XDG_CONFIG_HOME": str(tmp_path), "DWAVE_API_TOKEN": ""}
+    asked = ("solve", question, "-b", "dwave-qpu", "--fallback", "exact", *words, "-o", plan)
+    done = qrobot(*asked, env=home)
+    assert done.returncode == 0, done.stderr
+    assert "warning: dwave-qpu failed, exact answered instead" in one_sentence(done)
+    assert json.loads(plan.read_text())["result"]["answered_by"] == "exact"
+    if "--json" in words:
+        assert json.loads(done.stdout)["result"]["answered_by"] == "exact"
+    quiet = qrobot("solve", question, "-b", "exact", "--fallback", "batching", *words)
+    assert quiet.stderr == ""
 
 
 def test_a_wrong_option_is_told_by_click_with_code_2() -> None:
@@ -194,7 +278,7 @@ def test_output_into_a_small_full_file_system(tmp_path: Path) -> None:
         subprocess.run(["umount", str(small)], check=True)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupt_keeps_the_best_plan(number: signal.Signals, tmp_path: Path) -> None:
     plan = tmp_path / "plan.json"
     question = EXAMPLES / "small-warehouse.json"

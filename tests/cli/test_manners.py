@@ -48,7 +48,7 @@ def wait_for(stream: object, text: str) -> None:
     raise AssertionError(f"no {text!r} within a minute")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupted_bench_keeps_its_rows(number: signal.Signals, tmp_path: Path) -> None:
     folder = tmp_path / "questions"
     folder.mkdir()

@@ -244,8 +244,8 @@ def test_ten_thousand_items_get_a_plan_or_a_refusal() -> None:
         ({"max_work": 0}, "max_work"),
         ({"seed": -1}, "seed"),
         ({"backend": "nonsense"}, "backend"),
-        ({"num_reads": 5}, "backend"),
-        ({"backend": "exact", "num_reads": 5}, "backend"),
+        ({"num_reads": 5}, "num_reads"),
+        ({"backend": "exact", "num_reads": 5}, "num_reads"),
     ],
 )
 def test_bad_arguments_name_the_field(arguments: dict[str, object], field: str) -> None:

@@ -17,12 +17,38 @@ import dimod
 import dimod.testing
 import numpy as np
 
-from qrobot.backends.sampler import PickingSampler
+from qrobot.backends.sampler import COMMON, Parameter, PickingSampler
 from qrobot.errors import BackendError, InputError
 
 __all__ = ["SamplerConformance"]
 
 CLOSE = 1e-6
+
+
+def wrong_values(parameter: Parameter) -> list[Any]:
+    """Return values that a parameter must refuse: of other types, and just out of its range."""
+    if parameter.kind == "any":
+        return []
+    values: list[Any] = [object(), b"abc"]
+    if parameter.kind in ("whole", "number"):
+        values += ["abc", "1", True, math.nan, math.inf, -math.inf, [1]]
+        if parameter.least is not None:
+            values.append(parameter.least if parameter.above else parameter.least - 1)
+        if parameter.most is not None:
+            values.append(parameter.most + 1)
+        if parameter.kind == "whole":
+            values += [(parameter.least or 0) + 0.5, math.pi * 1e6]
+    elif parameter.kind in ("numbers", "pairs"):
+        values += ["abc", 1, [math.nan], ["1", "2"], {"a": 1}, [[1, math.inf]]]
+    elif parameter.kind == "choice":
+        values += ["no such word", 1, "", [parameter.choices[0]]]
+    elif parameter.kind in ("flag", "names", "text"):
+        values += [5, ["abc"], 0.5]
+    elif parameter.kind == "function":
+        values += [5, "abc"]
+    if not parameter.optional:
+        values.append(None)
+    return [value for value in values if not isinstance(value, parameter.also)]
 
 
 class SamplerConformance:
@@ -155,6 +181,51 @@ class SamplerConformance:
         self.sample(bqm)
         assert bqm == before
         assert bqm.vartype is before.vartype
+
+    def test_says_what_its_parameters_take(self) -> None:
+        sampler = self.make()
+        unknown = set(sampler.parameters) - {*COMMON, *sampler.accepts}
+        assert not unknown, f"`accepts` does not say what {', '.join(sorted(unknown))} take"
+
+    def test_refuses_unknown_parameters_by_the_nearest_name(self) -> None:
+        known = self.make().parameters
+        for name in known:
+            mistyped = f"{name[:-1]}_"
+            assert mistyped not in known
+            refusal = self.refusal_of(self.small("BINARY"), **{mistyped: None})
+            assert mistyped in refusal, f"{mistyped} is not named: {refusal}"
+            assert name in refusal, f"{name} is not named for {mistyped}: {refusal}"
+
+    def test_refuses_values_of_the_wrong_type_or_out_of_range(self) -> None:
+        sampler = self.make()
+        for name, parameter in {**COMMON, **sampler.accepts}.items():
+            if name not in sampler.parameters:
+                continue
+            for value in wrong_values(parameter):
+                refusal = self.refusal_of(self.small("BINARY"), **{name: value})
+                assert name in refusal, f"{name}={value!r} is not refused by its name: {refusal}"
+
+    def test_refuses_what_is_not_a_binary_quadratic_model(self) -> None:
+        others: tuple[Any, ...] = (
+            dimod.ConstrainedQuadraticModel(),
+            dimod.QuadraticModel(),
+            {},
+            None,
+        )
+        for other in others:
+            assert "binary quadratic model" in self.refusal_of(other)
+
+    def refusal_of(self, bqm: Any, **parameters: Any) -> str:
+        """Return the sentence of the `InputError` that a sample ends with."""
+        try:
+            self.make().sample(bqm, **{**self.parameters, **parameters})
+        except InputError as error:
+            refusal = str(error)
+            assert "\n" not in refusal, "a refusal is one sentence"
+            return refusal
+        except Exception as error:
+            raise AssertionError(f"{parameters}: {error!r} instead of an InputError") from error
+        raise AssertionError(f"{type(bqm).__name__} with {parameters} was sampled")
 
     def test_ends_when_interrupted(self) -> None:
         if "interrupt_function" not in self.make().parameters:

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.backends.sampler import check_share, check_whole
+from qrobot.backends.sampler import COMMON, Parameter
 from qrobot.backends.variational.ansatz import ANSATZES
 from qrobot.backends.variational.optimisers import OPTIMISERS
 from qrobot.errors import InputError
 
-__all__ = ["Options"]
+__all__ = ["SEARCH", "Options"]
 
 Floats = npt.NDArray[np.float64]
+
+SEARCH: dict[str, Parameter] = {
+    **COMMON,
+    "num_reads": Parameter("whole", 1, optional=False),
+    "ansatz": Parameter("choice", choices=tuple(ANSATZES), optional=False),
+    "layers": Parameter("whole", 0, 1000, optional=False),
+    "alpha": Parameter("number", 0, 1, above=True),
+    "optimizer": Parameter("choice", choices=("auto", *OPTIMISERS), optional=False),
+    "evaluations": Parameter("whole", 0),
+    "starts": Parameter("whole", 1),
+    "initial_parameters": Parameter("numbers"),
+    "device": Parameter("any"),
+    "device_options": Parameter("names", optional=False),
+    "shots": Parameter("whole", 1),
+    "train": Parameter("choice", choices=("auto", "device", "local"), optional=False),
+}
+"""What each of `Options` takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,31 +101,8 @@ class Options:
         InputError
             When one is out of range.
         """
-        for name, least in (("num_reads", 1), ("layers", 0)):
-            check_whole(name, getattr(self, name), least)
-        for name, least in (("starts", 1), ("shots", 1), ("seed", 0), ("evaluations", 0)):
-            if getattr(self, name) is not None:
-                check_whole(name, getattr(self, name), least)
-        check_share("alpha", 1.0 if self.alpha is None else self.alpha)
-        if not isinstance(self.device_options, Mapping):
-            raise InputError(
-                f"{self.device_options!r} sets nothing",
-                field="device_options",
-                mend="give the device's own options by name",
-            )
-        if not callable(self.interrupt_function or bool):
-            raise InputError("is no function", field="interrupt_function", mend="leave it out")
-        for name, known in (
-            ("ansatz", ANSATZES),
-            ("optimizer", ("auto", *OPTIMISERS)),
-            ("train", ("auto", "device", "local")),
-        ):
-            if getattr(self, name) not in known:
-                raise InputError(
-                    f"{getattr(self, name)!r} is no {name}",
-                    field=name,
-                    mend=f"use one of {', '.join(known)}",
-                )
+        for name, one in SEARCH.items():
+            one.check(name, getattr(self, name))
 
     def share(self, qubits: int) -> float:
         """Return alpha, or its default for a model of so many variables."""
@@ -130,11 +124,6 @@ class Options:
                 field="device_options",
                 mend="leave them out",
             )
-
-    @classmethod
-    def names(cls) -> tuple[str, ...]:
-        """Return the names of all options."""
-        return tuple(one.name for one in fields(cls))
 
     def first(self, size: int) -> Floats | None:
         """Return the parameters to begin with, shape (size,), when some were given.

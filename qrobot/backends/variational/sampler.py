@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import dimod
@@ -13,16 +14,22 @@ from qrobot.backends.base import Capabilities
 from qrobot.backends.gates import memory
 from qrobot.backends.gates.form import Form
 from qrobot.backends.gates.threads import few_threads
-from qrobot.backends.sampler import PickingSampler, check_finite, check_known, constant_samples
+from qrobot.backends.sampler import (
+    Parameter,
+    PickingSampler,
+    check_finite,
+    check_parameters,
+    constant_samples,
+)
 from qrobot.backends.variational.ansatz import Ansatz, make_ansatz
 from qrobot.backends.variational.engine import Engine, PlainEngine, StateEngine, room
 from qrobot.backends.variational.facts import facts_of, ground, lengths
 from qrobot.backends.variational.ising import terms
-from qrobot.backends.variational.options import Options
+from qrobot.backends.variational.options import SEARCH, Options
 from qrobot.backends.variational.remote import RemoteEngine
 from qrobot.backends.variational.search import Search
 from qrobot.errors import BackendError, QRobotError, RemoteError
-from qrobot.remote import PARAMETERS, Estimate, check_budget, redact
+from qrobot.remote import LIMITS, Estimate, check_budget, redact
 from qrobot.remote import Options as Life
 from qrobot.remote.cost import FREE, together
 from qrobot.remote.samples import empty
@@ -50,23 +57,17 @@ class VariationalSampler(PickingSampler):
     sdk: ClassVar[str]
     algorithm: ClassVar[str]
     extra: ClassVar[str]
-    own: ClassVar[tuple[str, ...]] = ()
-    """Names of the options that only this SDK has."""
+    own: ClassVar[Mapping[str, Parameter]] = {}
+    """The options that only this SDK has."""
 
     properties: ClassVar[dict[str, Any]] = {}
 
     def __init__(self) -> None:
         self.name = f"{self.sdk}-{self.algorithm}"
+        search = {k: v for k, v in SEARCH.items() if (k, self.algorithm) != ("ansatz", "qaoa")}
+        self.accepts = {**search, **self.own, **LIMITS}
         # No largest size: the device and the memory decide, before anything is allocated.
         self.capabilities = Capabilities(kind="sampler", extra=self.extra)
-
-    @property
-    def parameters(self) -> dict[str, list[str]]:
-        """Names of what `sample` takes, as dimod wants them."""
-        names = [*Options.names(), *self.own, *PARAMETERS]
-        if self.algorithm == "qaoa":
-            names.remove("ansatz")
-        return {name: [] for name in names}
 
     @abstractmethod
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
@@ -169,7 +170,7 @@ class VariationalSampler(PickingSampler):
 
     def _asked(self, parameters: dict[str, Any]) -> tuple[Options, dict[str, Any], Life]:
         """Return the options of the search, of the SDK and of a remote job."""
-        check_known(self, parameters)
+        check_parameters(self, parameters)
         own = {name: parameters.pop(name) for name in self.own if name in parameters}
         life = Life.take_from(parameters)
         if self.algorithm == "qaoa":

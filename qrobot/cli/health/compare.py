@@ -6,9 +6,8 @@ import sys
 
 import click
 
-from qrobot._json import json_text
 from qrobot.cli.options import FILE
-from qrobot.cli.streams import say
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["compare_"]
 
@@ -35,5 +34,8 @@ def compare_(before: str, after: str, strict: bool, as_json: bool) -> None:
     from qrobot.health.reports import compare
 
     found = compare(read_report(before), read_report(after))
-    say(json_text(found.to_dict(), indent=1) if as_json else show_comparison(found))
+    if as_json:
+        say_json(found.to_dict())
+    else:
+        say(show_comparison(found))
     sys.exit(1 if found.worse or (strict and found.drift) else 0)

@@ -6,16 +6,15 @@ import sys
 
 import click
 
-from qrobot._json import json_text
-from qrobot.cli.options import FILE
-from qrobot.cli.streams import say
+from qrobot.cli.options import FILE, written
+from qrobot.cli.streams import say, say_json
 
 __all__ = ["merge"]
 
 
 @click.command("merge")
 @click.argument("files", nargs=-1, required=True, type=FILE)
-@click.option("--html", "html_path", type=FILE, help="Write a page.")
+@written("--html", "html_path", help="Write a page.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
     """Show which machine of a fleet differs, and in what.
@@ -44,7 +43,10 @@ def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
             write_text_atomic(html_path, fleet_html(found))
         except InputError as error:  # a full disk; the terminal still has it
             trouble = error
-    say(json_text(found.to_dict(), indent=1) if as_json else show_fleet(found))
+    if as_json:
+        say_json(found.to_dict())
+    else:
+        say(show_fleet(found))
     if trouble is not None:
         raise trouble
     sys.exit(1 if found.unhealthy else 0)

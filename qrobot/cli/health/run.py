@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import sys
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import click
 
 from qrobot.cli.health.limit import Limit
-from qrobot.cli.options import FILE
+from qrobot.cli.options import FILE, written
 from qrobot.cli.streams import say
 
 if TYPE_CHECKING:
@@ -36,10 +35,10 @@ class Run(click.Command):
 @click.option("--list", "as_list", is_flag=True, help="List the checks and run none.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 @click.option("--schema", is_flag=True, help="Print the JSON Schema of the report and run none.")
-@click.option("--output", "-o", type=FILE, help="Write the report as JSON.")
-@click.option("--junit", "junit_path", type=FILE, help="Write it as JUnit XML.")
-@click.option("--html", "html_path", type=FILE, help="Write it as a page.")
-@click.option("--prometheus", type=FILE, help="Write it as metrics, a file NAME.prom.")
+@written("--output", "-o", help="Write the report as JSON.")
+@written("--junit", "junit_path", help="Write it as JUnit XML.")
+@written("--html", "html_path", help="Write it as a page.")
+@written("--prometheus", help="Write it as metrics, a file NAME.prom.")
 @click.option(
     "--compare",
     "baseline",
@@ -110,11 +109,11 @@ def run(
     from qrobot.report.outputs import check_outputs
 
     if schema:
-        click.echo(schema_text(), nl=False)
+        say(schema_text(), end="")
         return
     checks = choose(names, quick=quick, profile=profile)
     if as_list:
-        click.echo(listing(checks, as_json))
+        say(listing(checks, as_json))
         return
     if network and no_system:
         raise InputError(
@@ -175,8 +174,7 @@ def _results(
     def tell(check: Check) -> None:
         nonlocal begun
         begun += 1
-        with suppress(OSError):  # as of a log on a full disk
-            say(f"{begun}/{len(checks)} {check.name}", err=True)
+        say(f"{begun}/{len(checks)} {check.name}", err=True)
 
     if notebooks is None:
         return run_all(checks, limits, jobs=jobs, progress=tell), []

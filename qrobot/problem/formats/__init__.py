@@ -11,13 +11,13 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from qrobot._files import StrPath, write_text_atomic
+from qrobot._files import StrPath, path_text, write_text_atomic
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
 from qrobot.problem.shipped import example_path
 from qrobot.problem.units import Quantity, exact
 
-__all__ = ["read", "write"]
+__all__ = ["instance_of", "read", "write"]
 
 
 def read(
@@ -62,7 +62,7 @@ def read(
     InputError
         One sentence with file, field, value and mend.
     """
-    path = example_path(path) or path
+    path = example_path(path_text(path)) or path
     try:
         instance = _read_file(path, layout, robots, capacity, rounding, ignore_columns)
     except InputError as error:
@@ -156,7 +156,25 @@ def _unknown(path: StrPath) -> InputError:
     return InputError(f"unsupported format ({shown})", mend="give a .json, .csv or .vrp file")
 
 
-def write(instance: Instance, path: StrPath) -> None:
+def instance_of(question: Instance | StrPath) -> Instance:
+    """Return an instance as it is, or the one of a file.
+
+    Raises
+    ------
+    InputError
+        When it is neither, or the file cannot be read.
+    """
+    if isinstance(question, Instance):
+        return question
+    if isinstance(question, str | os.PathLike):
+        return read(question)
+    raise InputError(
+        f"an object of class {type(question).__name__} is not an instance",
+        mend="give what qrobot.read returns, or the path of a file that it reads",
+    )
+
+
+def write(instance: Instance | StrPath, path: StrPath) -> None:
     """Write an instance as native JSON, whole or not at all.
 
     An instance with split orders is written as what it asks: every item its own order.
@@ -168,4 +186,4 @@ def write(instance: Instance, path: StrPath) -> None:
     """
     from qrobot.problem.formats.native_writer import to_text
 
-    write_text_atomic(path, to_text(instance))
+    write_text_atomic(path, to_text(instance_of(instance)))
