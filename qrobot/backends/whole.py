@@ -59,6 +59,7 @@ def whole_costs(instance: Instance, resolution: float, trips: int) -> Whole:
         The most trips that a plan can have.
     """
     d = instance.place_distances
+    d = d[np.isfinite(d)]
     if bool((d == np.round(d)).all()) and float(d.max(initial=0.0)) < resolution:
         return Whole(1.0, trips + 1, True)
     return Whole(resolution / max(float(d.max(initial=0.0)), 1e-300), trips + 1, False)

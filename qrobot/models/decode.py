@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -31,7 +32,7 @@ class Violation:
         ``step``: a robot is in several places at once, or in none. ``visit``: an item is
         collected several times, or never. ``capacity``: a load is too heavy. ``split
         order``: an order is on several trips. ``depot``: a robot does not start or end at
-        the depot.
+        the depot. ``way``: no way leads directly from one place to the next.
     text
         The fact, as a sentence.
     amount
@@ -41,7 +42,7 @@ class Violation:
         Where: index of the vehicle, step, index of the item, index of the order.
     """
 
-    kind: Literal["step", "visit", "capacity", "split order", "depot"]
+    kind: Literal["step", "visit", "capacity", "split order", "depot", "way"]
     text: str
     amount: int
     robot: int | None = None
@@ -173,8 +174,9 @@ def _reads(instance: Instance, layout: Layout, judged: _Judged) -> Reads:
     nodes = np.take_along_axis(nodes, order, axis=2)
     home = np.zeros((*nodes.shape[:2], 1), dtype=nodes.dtype)
     ways = np.concatenate([home, nodes, home], axis=2)
-    distances[feasible] = instance.distances[ways[..., :-1], ways[..., 1:]].sum(axis=(1, 2))
-    return Reads(feasible, distances)
+    lengths = instance.distances[ways[..., :-1], ways[..., 1:]].sum(axis=(1, 2))
+    distances[feasible] = np.where(lengths < instance.forbidden_price, lengths, np.inf)
+    return Reads(np.isfinite(distances), distances)
 
 
 def decode_row(instance: Instance, layout: Layout, bits: Bits, energy: float) -> Decoded:
@@ -182,7 +184,7 @@ def decode_row(instance: Instance, layout: Layout, bits: Bits, energy: float) ->
     judged = _judged(instance, layout, bits[None, :])
     grid = judged.grid[0]
     routes = [[int(i) for i in np.nonzero(vehicle[:, 1:])[1] + 1] for vehicle in grid]
-    violations = tuple(_violations(instance, layout, judged))
+    violations = tuple(_violations(instance, layout, judged)) or tuple(_ways(instance, routes))
     return Decoded(
         routes=routes,
         violations=violations,
@@ -223,6 +225,17 @@ def _violations(instance: Instance, layout: Layout, judged: _Judged) -> Iterator
         if count > 1:
             text = f"order {instance.orders[o].id} is split over {count} trips"
             yield Violation("split order", text, count - 1, order=o)
+
+
+def _ways(instance: Instance, routes: list[list[int]]) -> Iterator[Violation]:
+    """Name the ways of a plan that do not exist."""
+    for k, route in enumerate(routes):
+        corners = [0, *route, 0] if route else []
+        for a, b in pairwise(corners):
+            if instance.distances[a, b] >= instance.forbidden_price:
+                start, end = instance.node_name(a), instance.node_name(b)
+                text = f"no way leads directly from {start} to {end}"
+                yield Violation("way", text, 1, robot=k)
 
 
 def bits_of(layout: Layout, sample: Any) -> Bits:

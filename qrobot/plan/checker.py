@@ -13,12 +13,14 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, Literal
 
 from qrobot.plan.plan import Plan, Trip
 from qrobot.plan.ruler import Ruler
 from qrobot.problem.entities import Robot
 from qrobot.problem.instance import Instance
+from qrobot.problem.warehouse import Place
 
 __all__ = ["CheckReport", "Problem", "check"]
 
@@ -53,7 +55,8 @@ class Problem:
         ``missing``, ``repeated`` or ``unknown`` items; ``orders`` listed that do not agree
         with the stops; ``split`` orders; ``overload``; a wrong ``load`` or ``distance``;
         an unknown ``robot``; too many ``turns`` of one; an ``empty`` trip; an
-        ``unreachable`` stop; a wrong driving ``time``; a wrong ``total``.
+        ``unreachable`` stop (a way that does not exist); a wrong driving ``time``; a wrong
+        ``total``.
     text
         One sentence with the numbers.
     """
@@ -123,7 +126,7 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         with the stops; no load exceeds its robot's capacity (exact fractions); robots are
         known and make no more trips than they may; no trip is empty; loads, driving times,
         the distance of every trip and the total are stated right (relative tolerance
-        1e-6). A driving time of 0 counts as not stated.
+        1e-6); every way exists. A driving time of 0 counts as not stated.
     """
     problems = [*_items(plan, instance), *_orders(plan, instance), *_robots(plan, instance)]
     robots = {robot.id: robot for robot in instance.robots}
@@ -137,6 +140,8 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         length = ruler.trip(places[stop] for stop in stops)
         total += length
         problems += _trip(number, trip, load, length, robots.get(trip.robot))
+        if math.isinf(length):
+            problems += _forbidden(number, stops, places, ruler)
     if math.isfinite(total) and not _agree(plan.distance, total):
         problems.append(
             Problem(
@@ -213,8 +218,8 @@ def _trip(
             "load", f"trip {number} states a load of {trip.load!r}, it is {float(load)!r}"
         )
     if math.isinf(length):
-        yield Problem("unreachable", f"trip {number} has a stop that no way leads to or from")
-    elif not _agree(trip.distance, length):
+        return  # there is no distance to compare with: told beside
+    if not _agree(trip.distance, length):
         yield Problem(
             "distance", f"trip {number} states a distance of {trip.distance!r}, it is {length!r}"
         )
@@ -226,6 +231,20 @@ def _trip(
         )
 
 
+def _forbidden(
+    number: int, stops: Sequence[str], places: dict[str, Place], ruler: Ruler
+) -> Iterator[Problem]:
+    """Name the ways of a trip that do not exist."""
+    names = ["depot", *stops, "depot"]
+    corners = [None, *(places[stop] for stop in stops), None]
+    missing = [
+        f"from {a} to {b}"
+        for (a, b), (start, end) in zip(pairwise(names), pairwise(corners), strict=True)
+        if math.isinf(ruler.leg(start, end))
+    ]
+    yield Problem("unreachable", f"trip {number}: no way leads directly{_some('', missing)}")
+
+
 def _agree(stated: float, measured: float) -> bool:
     return math.isclose(stated, measured, rel_tol=RELATIVE, abs_tol=ABSOLUTE)
 
@@ -233,4 +252,4 @@ def _agree(stated: float, measured: float) -> bool:
 def _some(what: str, names: Sequence[str], most: int = 5) -> str:
     shown = ", ".join(names[:most])
     rest = f" and {len(names) - most} more" if len(names) > most else ""
-    return f"{what}{'s' if len(names) > 1 else ''} {shown}{rest}"
+    return f"{what}{'s' if what and len(names) > 1 else ''} {shown}{rest}"

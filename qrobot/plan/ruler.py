@@ -55,7 +55,7 @@ class Ruler:
     def leg(self, a: Place | None, b: Place | None) -> float:
         """Return the length of one way, ``inf`` without one; ``None`` stands for the depot."""
         if a == b:
-            return 0.0  # a table's diagonal is no way
+            return 0.0
         if (a, b) not in self._known:
             if self._walk is not None:
                 length = self._walk(a, b)
@@ -70,7 +70,7 @@ class Ruler:
 
 def _in_table(table: DistanceTable, a: Place | None, b: Place | None) -> float:
     row, column = (p.index if isinstance(p, Node) else table.depot_node for p in (a, b))
-    return float(table.matrix[row][column])
+    return 0.0 if row == column else float(table.matrix[row][column])
 
 
 def _on_floor(floor: OpenFloor, a: Place | None, b: Place | None) -> float:

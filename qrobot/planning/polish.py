@@ -8,6 +8,8 @@ sampler is shown beside.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from qrobot.backends import Routes, Stop
@@ -23,7 +25,7 @@ POLISH_ROUNDS = 30
 def repair_and_polish(
     instance: Instance, start: Routes, stop: Stop, seed: int, rounds: int = POLISH_ROUNDS
 ) -> Routes | None:
-    """Return a valid plan made from any routes, or None when no room was found.
+    """Return a valid plan made from any routes, or None when no room or way was found.
 
     Parameters
     ----------
@@ -40,7 +42,8 @@ def repair_and_polish(
     """
     yard = Yard(instance, seed, stop)
     state = begin(yard, start)
-    return polished(yard, state, stop.within(max_work=rounds))
+    routes = polished(yard, state, stop.within(max_work=rounds))
+    return None if routes is None or math.isinf(instance.length(routes)) else routes
 
 
 def random_routes(instance: Instance, rng: np.random.Generator) -> Routes:

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 import dimod
+import numpy as np
 
 from qrobot.backends import Stop
 from qrobot.backends.sampler import PickingSampler, check_known, check_whole
@@ -129,7 +130,8 @@ def parameters_of(
     InputError
         When the number of reads is none, or they do not fit into the memory.
     """
-    largest = float(model.instance.place_distances.max(initial=0.0)) or 1.0
+    d = model.instance.place_distances
+    largest = float(d.max(initial=0.0, where=np.isfinite(d))) or 1.0
     parameters = sampler.picking_defaults(largest_distance=largest) | sampling
     if parameters.get("num_reads") is not None:
         check_whole("num_reads", parameters["num_reads"], 1)

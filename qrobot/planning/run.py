@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -97,6 +98,8 @@ class Run:
         if not plan_fits(self.instance, kept):
             return
         length = self.instance.length(kept)
+        if math.isinf(length):
+            return  # it takes a forbidden way
         slack = TIE * max(abs(length), 1e-300)
         better = self.routes is None or length < self.cost - slack
         fewer = not better and length <= self.cost + slack and len(kept) < len(self.routes or [])
@@ -176,21 +179,25 @@ class Run:
         return found
 
     def _tell_reads(self, name: str, told: Mapping[str, Any]) -> None:
-        """Report the reads of a planner that samples plans: all of them are feasible."""
-        lengths = np.asarray(told["lengths"], dtype=np.float64)
-        random = np.asarray(told["random_lengths"], dtype=np.float64)
+        """Report the reads of a planner that samples plans."""
+        both = (np.asarray(told[k], dtype=np.float64) for k in ("lengths", "random_lengths"))
+        # Those that take a forbidden way, at its price, are no plans.
+        allowed = self.instance.forbidden_price
+        (lengths, feasible), (random, random_feasible) = (
+            (all_[all_ < allowed], float((all_ < allowed).mean())) for all_ in both
+        )
         self.reads = (lengths, random)
         self.sampler = SamplerReport(
             backend=name,
             encoding=told["encoding"],
             variables=told["variables"],
-            reads=lengths.size,
-            feasible_fraction=1.0,
-            best=float(lengths.min()),
-            mean=float(lengths.mean()),
-            energy=float(lengths.min()),
-            random_feasible_fraction=1.0,
-            random_best=float(random.min()),
+            reads=len(told["lengths"]),
+            feasible_fraction=feasible,
+            best=float(lengths.min()) if lengths.size else None,
+            mean=float(lengths.mean()) if lengths.size else None,
+            energy=float(np.min(told["lengths"])),
+            random_feasible_fraction=random_feasible,
+            random_best=float(random.min()) if random.size else None,
             of_plans=True,
             details=dict(told["details"]),
         )

@@ -7,22 +7,52 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["unusual"]
+__all__ = ["unreachable", "unusual"]
+
+
+def unreachable(ways: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
+    """Return the rows that no sequence of ways leads to from row 0, or from there back to it.
+
+    Parameters
+    ----------
+    ways
+        Whether a way leads directly from row i to row j, shape (n, n).
+    """
+    cut_off = np.zeros(len(ways), dtype=bool)
+    for direct in (ways, ways.T):
+        known = np.zeros(len(ways), dtype=bool)
+        latest = np.zeros(len(ways), dtype=bool)
+        latest[0] = True
+        while latest.any():
+            known |= latest
+            latest = direct[latest].any(axis=0) & ~known
+        cut_off |= ~known
+    return np.flatnonzero(cut_off)
 
 
 def unusual(d: npt.NDArray[np.float64], names: Sequence[str]) -> tuple[str, ...]:
-    """Return one sentence for asymmetry and one for a broken triangle inequality.
+    """Return a sentence each for forbidden ways, asymmetry and a broken triangle inequality.
 
     Parameters
     ----------
     d
-        Distances, shape (n, n).
+        Distances, shape (n, n); ``inf`` where no way leads directly.
     names
         What row and column i stand for.
     """
     found = []
-    if not np.allclose(d, d.T, rtol=0, atol=1e-9):
-        i, j = divmod(int(np.argmax(np.abs(d - d.T))), len(d))
+    forbidden = np.isinf(d)
+    if forbidden.any():
+        i, j = divmod(int(np.argmax(forbidden)), len(d))
+        count = int(forbidden.sum())
+        found.append(
+            f"no way leads directly from {names[i]} to {names[j]}"
+            + (f", and {count - 1} more are missing" if count > 1 else "")
+        )
+        d = np.where(forbidden, np.nan, d)
+    apart = np.nan_to_num(np.abs(d - d.T))
+    if (apart > 1e-9).any():
+        i, j = divmod(int(np.argmax(apart)), len(d))
         found.append(
             f"the distances are asymmetric: {names[i]} to {names[j]} is {d[i, j]:g}, "
             f"back {d[j, i]:g}"
@@ -39,10 +69,10 @@ def unusual(d: npt.NDArray[np.float64], names: Sequence[str]) -> tuple[str, ...]
 
 def _triangle_gap(d: npt.NDArray[np.float64]) -> tuple[int, int, int] | None:
     """Return the worst (i, k, j) with d[i,k] + d[k,j] < d[i,j], or None."""
-    worst, where = 1e-9 * max(float(d.max(initial=0.0)), 1.0), None
+    worst, where = 1e-9 * max(float(np.nanmax(d, initial=0.0)), 1.0), None
     # Every pivot of a large matrix would take minutes; a few hundred find any common fault.
     for k in range(0, len(d), 1 + len(d) // 400):
-        gap = d - (d[:, k, None] + d[None, k, :])
+        gap = np.nan_to_num(d - (d[:, k, None] + d[None, k, :]))
         if (top := float(gap.max())) > worst:
             i, j = divmod(int(gap.argmax()), len(d))
             worst, where = top, (i, k, j)

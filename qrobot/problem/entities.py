@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from qrobot.problem.units import exact
+from qrobot.errors import InputError
+from qrobot.problem.units import Quantity, exact
 from qrobot.problem.warehouse import Place
 
 __all__ = ["Item", "Order", "Robot"]
@@ -20,7 +23,8 @@ class Item:
     id
         Unique name.
     weight
-        Weight, kg by convention; an exact fraction.
+        Weight, kg by convention. Numbers and text count as the decimal that they are written
+        as; the field is an exact fraction.
     place
         Where it lies.
     """
@@ -28,6 +32,10 @@ class Item:
     id: str
     weight: Fraction
     place: Place
+
+    if TYPE_CHECKING:  # what is taken is wider than what is kept
+
+        def __init__(self, id: str, weight: Quantity, place: Place) -> None: ...
 
     def __post_init__(self) -> None:
         """Take a plain number for the decimal that it is written as."""
@@ -50,6 +58,20 @@ class Order:
     id: str
     items: tuple[str, ...]
 
+    if TYPE_CHECKING:
+
+        def __init__(self, id: str, items: Sequence[str]) -> None: ...
+
+    def __post_init__(self) -> None:
+        """Keep the ids of any sequence as a tuple."""
+        if isinstance(self.items, str):
+            raise InputError(
+                f"{self.items!r} is one text, not several ids",
+                field="items",
+                mend="give a tuple of ids",
+            )
+        object.__setattr__(self, "items", tuple(self.items))
+
 
 @dataclass(frozen=True, slots=True)
 class Robot:
@@ -60,7 +82,7 @@ class Robot:
     id
         Unique name.
     capacity
-        Largest load of one trip, in the unit of the weights.
+        Largest load of one trip, in the unit of the weights; taken as an item's weight is.
     speed
         Metres a second, for times in reports; distances do not depend on it.
     trips
@@ -71,6 +93,12 @@ class Robot:
     capacity: Fraction
     speed: float = 1.0
     trips: int = 1
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, id: str, capacity: Quantity, speed: float = 1.0, trips: int = 1
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Take a plain number for the decimal that it is written as."""

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot.errors import InputError
-from qrobot.problem.asymmetry import unusual
+from qrobot.problem.asymmetry import unreachable, unusual
 from qrobot.problem.entities import Item, Order, Robot
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
 from qrobot.problem.validity import MAX_ITEMS, check_entities, some
@@ -71,14 +71,14 @@ class Instance:
     def distances(self) -> npt.NDArray[np.float64]:
         """Distances between depot (node 0) and items (node i + 1), shape (n + 1, n + 1).
 
+        All finite, for solvers and models: a forbidden way costs `forbidden_price`.
+
         Raises
         ------
         InputError
             When an item cannot be reached from the depot or left again.
         """
-        matrix = self.place_distances[np.ix_(self.place_of_node, self.place_of_node)]
-        matrix.flags.writeable = False
-        return matrix
+        return self._priced(self.place_of_node)
 
     @cached_property
     def places(self) -> tuple[Place, ...]:
@@ -95,6 +95,8 @@ class Instance:
     def place_distances(self) -> npt.NDArray[np.float64]:
         """Distances between depot (row 0) and the different places: small however many items.
 
+        ``inf`` where no way leads directly.
+
         Raises
         ------
         InputError
@@ -102,20 +104,38 @@ class Instance:
         """
         matrix = np.ascontiguousarray(self.warehouse.distance_matrix(self.places))
         matrix.flags.writeable = False
-        ways = np.isfinite(matrix)
-        if not ways.all():
-            cut_off = np.flatnonzero(~(ways[0] & ways[:, 0]))
-            culprits = cut_off if cut_off.size else np.flatnonzero(~(ways & ways.T).all(axis=0))
-            found = np.flatnonzero(np.isin(self.place_of_node, culprits)) - 1
-            ids = some([self.items[i].id for i in found])
+        cut_off = unreachable(np.isfinite(matrix))
+        if cut_off.size:
+            found = np.flatnonzero(np.isin(self.place_of_node, cut_off)) - 1
             mends = {"aisles": ", or open an aisle", "matrix": ", or fill in their distances"}
             raise InputError(
-                f"no way leads from the depot to items {ids} and back"
-                if cut_off.size
-                else f"some ways between items {ids} are missing",
+                f"no way leads from the depot to items {some([self.items[i].id for i in found])} "
+                "and back",
                 field=f"items[{found[0]}].at",
                 mend="move the items" + mends.get(self.warehouse.kind, ""),
             )
+        return matrix
+
+    @cached_property
+    def forbidden_price(self) -> float:
+        """What a forbidden way costs in `distances`; ``inf`` when every way is allowed.
+
+        More than any plan without a forbidden way is long, so the shortest plan takes none
+        where it can, and a plan that costs less takes none.
+        """
+        d = self.place_distances
+        if np.isfinite(d).all():
+            return math.inf
+        # Every item is left once, the depot once a trip, each by its longest way at most.
+        longest = np.where(np.isfinite(d), d, 0.0).max(axis=1)[self.place_of_node]
+        trips = min(len(self.orders), sum(robot.trips for robot in self.robots))
+        return math.ceil(1.01 * float(longest[1:].sum() + trips * longest[0])) + 1.0
+
+    def _priced(self, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
+        """Return the distances between places, those of forbidden ways as their price."""
+        matrix = self.place_distances[np.ix_(rows, rows)]
+        matrix[np.isinf(matrix)] = self.forbidden_price
+        matrix.flags.writeable = False
         return matrix
 
     @cached_property
@@ -196,11 +216,11 @@ class Instance:
 
     @cached_property
     def stop_distances(self) -> npt.NDArray[np.float64]:
-        """Distances between depot (row 0) and stops, shape (number of stops + 1,) twice."""
-        rows = self.place_of_node[[0, *(nodes[0] for nodes in self.stops)]]
-        matrix = self.place_distances[np.ix_(rows, rows)]
-        matrix.flags.writeable = False
-        return matrix
+        """Distances between depot (row 0) and stops, shape (number of stops + 1,) twice.
+
+        All finite, as `distances` are.
+        """
+        return self._priced(self.place_of_node[[0, *(nodes[0] for nodes in self.stops)]])
 
     @cached_property
     def stop_weights(self) -> npt.NDArray[np.int64]:
@@ -211,7 +231,10 @@ class Instance:
         )
 
     def route_length(self, route: Sequence[int]) -> float:
-        """Return the length of the way from the depot past the nodes and back, metres."""
+        """Return the length of the way from the depot past the nodes and back, metres.
+
+        ``inf`` when it takes a forbidden way.
+        """
         if not len(route):
             return 0.0
         rows = self.place_of_node[[0, *route, 0]]

@@ -25,8 +25,8 @@ class DistanceTable:
     Parameters
     ----------
     matrix
-        Square rows of distances; asymmetric ones are allowed, ``inf`` marks no way. The
-        diagonal is not used: no way leads nowhere.
+        Square rows of distances; asymmetric ones are allowed, ``inf`` where no way leads
+        directly. The diagonal is not used, whatever it holds.
     depot_node
         The row of the depot.
     positions
@@ -51,8 +51,9 @@ class DistanceTable:
                     mend="make the matrix square",
                 )
         values = np.asarray(self.matrix, dtype=np.float64)
-        bad = np.argwhere(~((values >= 0) & ((values <= MAX_LENGTH) | np.isinf(values))))
-        for i, j in bad[:1].tolist():
+        bad = ~((values >= 0) & ((values <= MAX_LENGTH) | np.isinf(values)))
+        np.fill_diagonal(bad, False)
+        for i, j in np.argwhere(bad)[:1].tolist():
             raise InputError(
                 f"{values[i, j]:g} is not 0 to {MAX_LENGTH:g}",
                 field=f"matrix[{i}][{j}]",

@@ -18,7 +18,10 @@ import numpy.typing as npt
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_UNITS", "common_unit", "exact", "in_units"]
+__all__ = ["MAX_UNITS", "Quantity", "common_unit", "exact", "in_units"]
+
+Quantity = float | int | str | Decimal | Fraction
+"""What a weight or a capacity may be given as."""
 
 MAX_UNITS = 2**40
 """Largest total weight in units: beyond it the mend is to round the weights."""
@@ -32,7 +35,7 @@ MAX_DIGITS = 60
 _MEND = "use a plain decimal number"
 
 
-def exact(value: float | int | str | Decimal | Fraction, *, field: str) -> Fraction:
+def exact(value: Quantity, *, field: str) -> Fraction:
     """Return a number as the exact fraction that its decimal notation says.
 
     Parameters

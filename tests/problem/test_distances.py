@@ -217,12 +217,3 @@ def test_an_unreachable_slot_is_named() -> None:
         "items[1].at: no way leads from the depot to items shut and back; "
         "move the items, or open an aisle"
     )
-
-
-def test_a_missing_way_between_items_is_named() -> None:
-    inf = math.inf
-    table = DistanceTable(((0, 1, 1), (1, 0, inf), (1, 1, 0)))
-    items = (Item("a", 1, Node(1)), Item("b", 1, Node(2)))  # type: ignore[arg-type]
-    one = Instance(table, items, (Order("o", ("a", "b")),), (Robot("R1", 9),))  # type: ignore
-    with pytest.raises(InputError, match=r"some ways between items a, b are missing; .*fill in"):
-        _ = one.distances

@@ -82,7 +82,9 @@ def polished(
     """
     best = now.copy()
     told = math.inf
-    scale = sum(now.lengths) / max(1, sum(1 for tour in now.tours if tour))
+    # What is left over the prices of forbidden ways is what is driven.
+    driven = math.fmod(sum(now.lengths), yard.instance.forbidden_price)
+    scale = driven / max(1, sum(1 for tour in now.tours if tour))
     rounds = 0
     while True:
         if not best.absent and best.cost < told:

@@ -9,7 +9,7 @@ from qrobot.backends.cpsat import new_solver, solve
 from qrobot.errors import MissingExtraError
 from qrobot.problem import Instance
 
-__all__ = ["no_packing", "pack"]
+__all__ = ["no_packing", "no_way", "pack"]
 
 MAX_BINARIES = 100_000
 
@@ -74,4 +74,12 @@ def no_packing(instance: Instance) -> str:
         f"the {len(instance.orders)} orders (total load {instance.weights.sum() * unit:g}) cannot "
         f"be packed into {len(capacities)} trips of at most {' / '.join(sizes)} each: "
         "every split was tried"
+    )
+
+
+def no_way(instance: Instance) -> str:
+    """Return the sentence that says that every trip along the ways that exist was tried."""
+    return (
+        f"no plan for the {len(instance.orders)} orders does without a way that does not exist "
+        "(null in the distances): every split and every sequence was tried"
     )

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
 from qrobot.backends.batching import BatchingPlanner
 from qrobot.backends.exact.cover import cheapest_cover, lagrangian
-from qrobot.backends.exact.packing import no_packing
+from qrobot.backends.exact.packing import no_packing, no_way
 from qrobot.backends.exact.partition import MAX_ELEMENTS, best_split
 from qrobot.backends.exact.subsets import (
     Masks,
@@ -116,6 +116,8 @@ class ExactPlanner:
             start = BatchingPlanner().search(instance, stop=quick, seed=seed).routes
             if start is not None and on_best is not None:
                 on_best(start, instance.length(start))
+        if start is not None and math.isinf(instance.length(start)):
+            start = None  # it takes a forbidden way
         columns = _columns(instance, stop)
         if columns is None:
             return Search(routes=start)
@@ -131,6 +133,9 @@ class ExactPlanner:
                 return Search(infeasible=no_packing(instance), work=work)
             return Search(bound=bound, work=work)
         cost = instance.length(routes)
+        if math.isinf(cost):
+            reason = no_way(instance) if proven else None
+            return Search(bound=bound, infeasible=reason, work=work)
         if on_best is not None:
             on_best(routes, cost)
         return Search(routes=routes, bound=cost if proven else bound, optimal=proven, work=work)
