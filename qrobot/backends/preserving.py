@@ -80,7 +80,7 @@ class _PreservingPlanner:
         p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
         rng = np.random.default_rng(seed)
         reads = rng.choice(plans.size, READS, p=p / p.sum())
-        lengths = plans.costs[reads]
+        lengths = plans.lengths(reads)
         routes = [route for route in plans.routes(int(reads[lengths.argmin()])) if route]
         if on_best is not None:
             on_best(routes, float(lengths.min()))
@@ -90,7 +90,8 @@ class _PreservingPlanner:
             # One-hot over robots, steps and nodes, as `subspace_program` has them.
             "variables": plans.capacities.size * instance.size * (instance.size + 1),
             "lengths": lengths,
-            "random_lengths": plans.costs[rng.integers(0, plans.size, READS)],
+            "energy": float(plans.costs[reads].min()),
+            "random_lengths": plans.lengths(rng.integers(0, plans.size, READS)),
             "details": {
                 "mixer": self.mixer,
                 "layers": LAYERS,

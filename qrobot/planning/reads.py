@@ -131,7 +131,8 @@ def parameters_of(
         When the number of reads is none, or they do not fit into the memory.
     """
     d = model.instance.place_distances
-    largest = float(d.max(initial=0.0, where=np.isfinite(d))) or 1.0
+    useful = d <= model.instance.longest_useful
+    largest = float(d.max(initial=0.0, where=useful & np.isfinite(d))) or 1.0
     parameters = sampler.picking_defaults(largest_distance=largest) | sampling
     if parameters.get("num_reads") is not None:
         check_whole("num_reads", parameters["num_reads"], 1)

@@ -20,6 +20,7 @@ from qrobot.errors import InputError
 from qrobot.problem.asymmetry import unreachable, unusual
 from qrobot.problem.entities import Item, Order, Robot
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
+from qrobot.problem.useful import outlying, useful_limit
 from qrobot.problem.validity import MAX_ITEMS, check_entities, some
 from qrobot.problem.warehouse import DistanceTable, Place, Warehouse
 
@@ -71,7 +72,8 @@ class Instance:
     def distances(self) -> npt.NDArray[np.float64]:
         """Distances between depot (node 0) and items (node i + 1), shape (n + 1, n + 1).
 
-        All finite, for solvers and models: a forbidden way costs `forbidden_price`.
+        All finite, for solvers and models: no way costs more than `longest_useful`, be it
+        forbidden or marked by a large number.
 
         Raises
         ------
@@ -117,24 +119,28 @@ class Instance:
         return matrix
 
     @cached_property
-    def forbidden_price(self) -> float:
-        """What a forbidden way costs in `distances`; ``inf`` when every way is allowed.
+    def longest_useful(self) -> float:
+        """What a way costs at most in `distances`; ``inf`` when all ways stand as they are.
 
-        More than any plan without a forbidden way is long, so the shortest plan takes none
-        where it can, and a plan that costs less takes none.
+        More than some plan without a forbidden way is long, so that no shortest plan takes a
+        way of that price: neither one that is forbidden nor one that a large number marks.
         """
-        d = self.place_distances
-        if np.isfinite(d).all():
-            return math.inf
-        # Every item is left once, the depot once a trip, each by its longest way at most.
-        longest = np.where(np.isfinite(d), d, 0.0).max(axis=1)[self.place_of_node]
-        trips = min(len(self.orders), sum(robot.trips for robot in self.robots))
-        return math.ceil(1.01 * float(longest[1:].sum() + trips * longest[0])) + 1.0
+        if not isinstance(self.warehouse, DistanceTable) or not self.stops:
+            return math.inf  # the way there and back is longer than any way of a metric
+        rows = self._stop_rows
+        stop_of = {node: s + 1 for s, nodes in enumerate(self.stops) for node in nodes}
+        return useful_limit(
+            self.place_distances[np.ix_(rows, rows)],
+            [tuple(dict.fromkeys(stop_of[v] for v in nodes)) for nodes in self.order_nodes],
+            self.order_weights.tolist(),
+            self.vehicle_capacities,
+        )
 
     def _priced(self, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
-        """Return the distances between places, those of forbidden ways as their price."""
+        """Return the distances between places, none above `longest_useful`."""
         matrix = self.place_distances[np.ix_(rows, rows)]
-        matrix[np.isinf(matrix)] = self.forbidden_price
+        if not math.isinf(self.longest_useful):
+            np.minimum(matrix, self.longest_useful, out=matrix)
         matrix.flags.writeable = False
         return matrix
 
@@ -220,7 +226,12 @@ class Instance:
 
         All finite, as `distances` are.
         """
-        return self._priced(self.place_of_node[[0, *(nodes[0] for nodes in self.stops)]])
+        return self._priced(self._stop_rows)
+
+    @cached_property
+    def _stop_rows(self) -> npt.NDArray[np.intp]:
+        """For each stop its row in `place_distances`, the depot first."""
+        return self.place_of_node[[0, *(nodes[0] for nodes in self.stops)]]
 
     @cached_property
     def stop_weights(self) -> npt.NDArray[np.int64]:
@@ -247,10 +258,15 @@ class Instance:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Facts about the input that its plans depend on, one sentence each."""
-        if not isinstance(self.warehouse, DistanceTable):
-            return ()  # metric by construction
+        if not self.items:
+            return ()
+        d = self.place_distances
         first = np.unique(self.place_of_node, return_index=True)[1].tolist()
-        return unusual(self.place_distances, [self.node_name(node) for node in first])
+        names = [self.node_name(node) for node in first]
+        found = outlying(d, names, self.longest_useful)
+        if isinstance(self.warehouse, DistanceTable):  # the others are metric by construction
+            found += unusual(d, names)
+        return found
 
     @property
     def size(self) -> int:

@@ -82,9 +82,7 @@ def polished(
     """
     best = now.copy()
     told = math.inf
-    # What is left over the prices of forbidden ways is what is driven.
-    driven = math.fmod(sum(now.lengths), yard.instance.forbidden_price)
-    scale = driven / max(1, sum(1 for tour in now.tours if tour))
+    scale = yard.driven(now.tours) / max(1, sum(1 for tour in now.tours if tour))
     rounds = 0
     while True:
         if not best.absent and best.cost < told:
