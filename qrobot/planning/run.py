@@ -78,6 +78,7 @@ class Run:
         self.proven = False
         self.infeasible: str | None = None
         self.out_of_time = False
+        self.check_seconds = 0.0  # kept back for the check of the plan
         self.steps: list[str] = []
         self.work: dict[str, int] = {}
         self.timing = Timing()

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from qrobot.errors import InputError
 from qrobot.problem.asymmetry import unreachable, unusual
 from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.insertion import insert_orders
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
 from qrobot.problem.useful import outlying, useful_limit
 from qrobot.problem.validity import MAX_ITEMS, check_entities, some
@@ -128,10 +129,9 @@ class Instance:
         if not isinstance(self.warehouse, DistanceTable) or not self.stops:
             return math.inf  # the way there and back is longer than any way of a metric
         rows = self._stop_rows
-        stop_of = {node: s + 1 for s, nodes in enumerate(self.stops) for node in nodes}
         return useful_limit(
             self.place_distances[np.ix_(rows, rows)],
-            [tuple(dict.fromkeys(stop_of[v] for v in nodes)) for nodes in self.order_nodes],
+            self._order_stops,
             self.order_weights.tolist(),
             self.vehicle_capacities,
         )
@@ -201,7 +201,7 @@ class Instance:
         return len(self.stops) > len(self.orders)
 
     @property
-    def _metric(self) -> bool:
+    def surely_metric(self) -> bool:
         """Whether the kind of warehouse alone guarantees the triangle inequality."""
         kind = self.warehouse
         return kind.kind == "aisles" or (kind.kind == "floor" and kind.rounding == "none")
@@ -216,7 +216,7 @@ class Instance:
         found: dict[tuple[int, Place | int], list[int]] = {}
         for o, nodes in enumerate(self.order_nodes):
             for node in nodes:
-                place = self.items[node - 1].place if self._metric else node
+                place = self.items[node - 1].place if self.surely_metric else node
                 found.setdefault((o, place), []).append(node)
         return tuple(tuple(nodes) for nodes in found.values())
 
@@ -234,12 +234,42 @@ class Instance:
         return self.place_of_node[[0, *(nodes[0] for nodes in self.stops)]]
 
     @cached_property
+    def _order_stops(self) -> list[list[int]]:
+        """For each order its rows in `stop_distances`."""
+        found: list[list[int]] = [[] for _ in self.orders]
+        for s, nodes in enumerate(self.stops):
+            found[int(self.order_of_node[nodes[0]])].append(s + 1)
+        return found
+
+    @cached_property
     def stop_weights(self) -> npt.NDArray[np.int64]:
         """Weight collected at each stop in units, shape (number of stops,)."""
         return np.array(
             [sum(int(self.weights[v - 1]) for v in nodes) for nodes in self.stops],
             dtype=np.int64,
         )
+
+    def first_routes(self) -> list[list[int]] | None:
+        """Return the nodes of each trip of a plan made in no time, or None where it fails."""
+        weights = self.order_weights.tolist()
+        heaviest_first = sorted(range(len(weights)), key=lambda o: -weights[o])
+        for first_fit in (False, True):
+            row = insert_orders(
+                self.stop_distances,
+                self._order_stops,
+                weights,
+                self.vehicle_capacities,
+                heaviest_first,
+                first_fit=first_fit,
+            )
+            if row is not None:
+                trips = np.split(row, np.flatnonzero(row == 0)[1:])
+                return [
+                    [node for s in trip.tolist() if s for node in self.stops[s - 1]]
+                    for trip in trips
+                    if len(trip) > 1
+                ]
+        return None
 
     def route_length(self, route: Sequence[int]) -> float:
         """Return the length of the way from the depot past the nodes and back, metres.

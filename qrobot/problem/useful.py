@@ -14,6 +14,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.problem.insertion import insert_orders
+
 __all__ = ["outlying", "useful_limit"]
 
 Floats = npt.NDArray[np.float64]
@@ -61,7 +63,10 @@ def useful_limit(
     most = longest if ways.all() else price
     known = math.inf
     for sequence, first_fit in _ways_to_insert(priced, lots, weights):
-        known = _known_length(priced, lots, weights, capacities, sequence, first_fit=first_fit)
+        trips = insert_orders(
+            priced, lots, weights, capacities, sequence, first_fit=first_fit, passes=PASSES
+        )
+        known = math.inf if trips is None else float(priced[trips[:-1], trips[1:]].sum())
         if known < most:
             break
     else:
@@ -102,67 +107,6 @@ def _ways_to_insert(
     worst = [int(badness[list(lot)].max()) for lot in lots]
     yield sorted(range(len(lots)), key=lambda o: (-worst[o], -weights[o])), False
     yield sorted(range(len(lots)), key=lambda o: (-weights[o], -worst[o])), False
-
-
-def _known_length(
-    d: Floats,
-    lots: Sequence[Sequence[int]],
-    weights: Sequence[int],
-    capacities: npt.NDArray[np.int64],
-    orders: Sequence[int],
-    *,
-    first_fit: bool,
-) -> float:
-    """Return the length of a plan made by cheapest insertion, ``inf`` when orders are left."""
-    sequence = np.zeros(len(capacities) + 1, dtype=np.intp)  # the trips, zeros between them
-    room = capacities.copy()
-    for o in orders:
-        longer = _inserted(d, sequence, room, lots[o], weights[o], first_fit=first_fit)
-        if longer is None:
-            return math.inf
-        sequence = longer
-    best = float(d[sequence[:-1], sequence[1:]].sum())
-    for _ in range(PASSES):
-        before = best
-        for o in orders:
-            out = np.isin(sequence, lots[o])
-            room[np.count_nonzero(sequence[: int(out.argmax())] == 0) - 1] += weights[o]
-            again = _inserted(d, sequence[~out], room, lots[o], weights[o], first_fit=False)
-            assert again is not None  # there is room where it was
-            sequence = again
-        best = min(best, float(d[sequence[:-1], sequence[1:]].sum()))
-        if best >= before:
-            break
-    return best
-
-
-def _inserted(
-    d: Floats,
-    sequence: Rows,
-    room: npt.NDArray[np.int64],
-    lot: Sequence[int],
-    weight: int,
-    *,
-    first_fit: bool,
-) -> Rows | None:
-    """Return the sequence with an order's stops where they cost least, None without room."""
-    trip = np.cumsum(sequence == 0)[:-1] - 1
-    fits = room[trip] >= weight
-    if not fits.any():
-        return None
-    if first_fit:
-        fits &= trip == trip[fits.argmax()]
-    chosen = -1
-    for stop in lot:
-        a, b = sequence[:-1], sequence[1:]
-        extra = np.where(fits, d[a, stop] + d[stop, b] - d[a, b], np.inf)
-        at = int(extra.argmin())
-        if chosen < 0:
-            chosen = int(trip[at])
-            room[chosen] -= weight
-        sequence = np.insert(sequence, at + 1, stop)
-        fits = np.cumsum(sequence == 0)[:-1] - 1 == chosen
-    return sequence
 
 
 def outlying(d: Floats, names: Sequence[str], limit: float) -> tuple[str, ...]:

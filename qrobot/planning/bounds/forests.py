@@ -20,7 +20,7 @@ __all__ = ["forest_bound"]
 
 Floats = npt.NDArray[np.float64]
 
-MAX_STOPS = 1_000
+MAX_STOPS = 2_500
 """Beyond it the spanning trees take longer than the bound is worth."""
 
 
@@ -34,7 +34,7 @@ def forest_bound(
     instance
         The question; of an asymmetric matrix each way counts in its shorter direction.
     upper
-        Distance of a known plan.
+        Distance of a known plan, ``inf`` without one: sets the length of the steps.
     stop
         Asked every round.
     rounds
@@ -46,6 +46,7 @@ def forest_bound(
         Metres; never below `quick_bound`.
     """
     best = quick_bound(instance)
+    upper = min(upper, 2.0 * best)
     d = np.minimum(instance.stop_distances, instance.stop_distances.T)
     n = len(d) - 1
     if n < 2 or n > MAX_STOPS:
