@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import warnings
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,13 @@ and prices of overload come on top."""
 OVERLOAD, MOST_OVERLOAD = 1.25, 50.0
 """First price of overloading a trip by a mean weight, in usual distances, and the highest, in
 largest distances: what is far off must not be worth an overload."""
+
+
+MANY = 200
+"""Stops beyond which a start is improved everywhere before any part is perturbed."""
+
+FIRST_SHARE = 6.0
+"""The first local search takes this many times as long as building the data, at most."""
 
 
 class PyVRPPlanner:
@@ -69,7 +77,12 @@ class PyVRPPlanner:
             )
         if not instance.orders:
             return Search(routes=[])
+        begun = time.perf_counter()
         data = _problem_data(instance, plain=self.plain)
+        first_seconds = FIRST_SHARE * (time.perf_counter() - begun)
+        if stop.remaining < first_seconds and len(instance.stops) > MANY:
+            # The first step cannot be interrupted.
+            return Search(routes=start or instance.first_routes())
         iterations = 0
         found: list[Routes] = []
 
@@ -180,9 +193,9 @@ def _iterated_search(
     limits = pyvrp.PenaltyParams() if plain else pyvrp.PenaltyParams(max_penalty=highest)
     first_prices = limits.midpoint_penalties(data) if plain else ([price], price, price)
     prices = pyvrp.PenaltyManager(first_prices, limits)
-    if first is None:
-        random = pyvrp.Solution.make_random(data, rng)
-        first = local(random, prices.max_cost_evaluator(), exhaustive=True)
+    if first is None or len(instance.stops) > MANY:
+        begin = pyvrp.Solution.make_random(data, rng) if first is None else first
+        first = local(begin, prices.max_cost_evaluator(), exhaustive=True)
     return IteratedLocalSearch(
         data, prices, local, first, IteratedLocalSearchParams(callbacks=callbacks)
     )

@@ -33,13 +33,20 @@ PATIENCE = 0.3
 """A search that found no plan in this share of the time gets a packing to start from."""
 
 
+MANY_STOPS = 200
+"""Stops beyond which a plan is made at once, before the search."""
+
 HELPED_SECONDS = 3.0
 """Searches this long get the other cores too; starting a process takes a part of a second."""
 
 
 def choose_search(instance: Instance) -> Planner:
     """Return the best search that is installed and keeps what must stay together."""
-    name = "pyvrp" if available("pyvrp") and not instance.whole_orders else "batching"
+    pyvrp = available("pyvrp") and not instance.whole_orders
+    return _planner("pyvrp" if pyvrp else "batching")
+
+
+def _planner(name: str) -> Planner:
     planner = get(name)
     assert isinstance(planner, Planner)
     return planner
@@ -56,9 +63,19 @@ def run_auto(run: Run) -> None:
         # A first plan tells the set partition which trips cannot be part of a better one.
         run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
         run.plan(exact, _proving(run.stop))
+    if not run.finished:
+        _begin(run)
     if not run.finished and not run.stop():
         _search_on(run, search)
     bound_from_below(run)
+
+
+def _begin(run: Run) -> None:
+    """Have a plan before a search that may be too slow for its first, or for which it is late."""
+    late = run.stop() or len(run.instance.stops) > MANY_STOPS
+    if late and run.routes is None and (routes := run.instance.first_routes()) is not None:
+        run.begin("insertion")
+        run.offer(routes)
 
 
 def _search_on(run: Run, search: Planner) -> None:
@@ -70,6 +87,8 @@ def _search_on(run: Run, search: Planner) -> None:
     with _helpers(run, search, stop.remaining) as crew:
         part = _Patient(run, stop, crew)
         run.plan(search, part)
+        if math.isfinite(part.remaining) and part.max_work is None and not part():
+            run.plan(_planner("batching"), part)  # PyVRP gave up: too little time for it
         run.out_of_time = part.remaining <= 0
     if run.routes is None and run.infeasible is None and not run.stop():
         run.begin("packing")

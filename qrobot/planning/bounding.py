@@ -36,7 +36,7 @@ INSTANT = 8
 """Orders that are proven in no time."""
 
 MANY_STOPS = 200
-"""Stops beyond which a plan is made before the search, and its check is timed."""
+"""Stops beyond which the check of a plan is timed before the search."""
 
 CHECKS = 2.0
 """Checks of a plan that time is kept back for."""
@@ -65,22 +65,18 @@ def begin_bound(run: Run) -> None:
 
 
 def time_to_search(run: Run) -> Stop:
-    """Return a stop that leaves the bound, and the check of the plan, their time.
-
-    Large instances get a plan that is made in no time, whose check is timed.
-    """
+    """Return a stop that leaves the bound, and the check of the plan, their time."""
     left = run.stop.remaining
     if math.isinf(left):
         return run.stop
     kept = min(BOUND_SHARE * left, BOUND_SECONDS)
     if len(run.instance.stops) > MANY_STOPS:
-        if run.routes is None and (routes := run.instance.first_routes()) is not None:
-            run.offer(routes)
-        if run.routes is not None:
-            begun = time.perf_counter()
-            check(Plan.from_routes(run.instance, run.routes), run.instance)
-            run.check_seconds = CHECKS * (time.perf_counter() - begun)
-            kept += run.check_seconds
+        # How long the check of such a plan takes here and now.
+        routes = run.routes or run.instance.first_routes() or []
+        begun = time.perf_counter()
+        check(Plan.from_routes(run.instance, routes), run.instance)
+        run.check_seconds = CHECKS * (time.perf_counter() - begun)
+        kept += run.check_seconds
     return run.stop.within(max(run.stop.remaining - kept, 0.0))
 
 

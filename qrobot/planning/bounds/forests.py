@@ -19,6 +19,10 @@ from qrobot.problem import Instance
 __all__ = ["forest_bound"]
 
 Floats = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+BETWEEN_LOOKS = 50
+"""Edges of a tree between looks at the clock."""
 
 MAX_STOPS = 2_500
 """Beyond it the spanning trees take longer than the bound is worth."""
@@ -57,7 +61,10 @@ def forest_bound(
     for _ in range(rounds):
         if stop():
             break
-        bound, degrees = _cheapest_forest(d, prices, trips)
+        tree = _spanning_tree(d[1:, 1:] + prices[:, None] + prices[None, :], stop)
+        if tree is None:
+            break
+        bound, degrees = _cheapest_forest(d, prices, trips, *tree)
         if bound > best * (1 + 1e-9):
             best, stale = bound, 0
         elif (stale := stale + 1) == 10:
@@ -72,12 +79,13 @@ def forest_bound(
 
 
 def _cheapest_forest(
-    d: Floats, prices: Floats, trips: npt.NDArray[np.intp]
+    d: Floats, prices: Floats, trips: npt.NDArray[np.intp], ends: Rows, lengths: Floats
 ) -> tuple[float, Floats]:
-    """Return the least priced cost of forest and depot ways, and the stops' degrees."""
+    """Return the least priced cost of forest and depot ways, and the stops' degrees.
+
+    The forest is a part of the spanning tree with the edges `ends` of priced `lengths`.
+    """
     n = len(prices)
-    between = d[1:, 1:] + prices[:, None] + prices[None, :]
-    ends, lengths = _spanning_tree(between)
     order = np.argsort(lengths, kind="stable")
     # Kruskal's greedy choice: the cheapest forest of m edges is the m shortest tree edges.
     forest = np.concatenate([[0.0], np.cumsum(lengths[order])])
@@ -94,8 +102,11 @@ def _cheapest_forest(
     return float(totals.min() - 2 * prices.sum()), degrees
 
 
-def _spanning_tree(weights: Floats) -> tuple[npt.NDArray[np.intp], Floats]:
-    """Return the edges (n - 1, 2) and lengths of a minimum spanning tree (Prim 1957)."""
+def _spanning_tree(weights: Floats, stop: Callable[[], bool]) -> tuple[Rows, Floats] | None:
+    """Return the edges (n - 1, 2) and lengths of a minimum spanning tree (Prim 1957).
+
+    None when stopped: the trees of large instances take long.
+    """
     n = len(weights)
     reach = weights[0].copy()
     via = np.zeros(n, dtype=np.intp)
@@ -104,6 +115,8 @@ def _spanning_tree(weights: Floats) -> tuple[npt.NDArray[np.intp], Floats]:
     ends = np.empty((n - 1, 2), dtype=np.intp)
     lengths = np.empty(n - 1)
     for edge in range(n - 1):
+        if edge % BETWEEN_LOOKS == 0 and stop():
+            return None
         v = int(np.where(outside, reach, np.inf).argmin())
         ends[edge] = via[v], v
         lengths[edge] = reach[v]

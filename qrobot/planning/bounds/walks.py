@@ -17,7 +17,7 @@ Floats = npt.NDArray[np.float64]
 MIN_LOAD_STEPS, MAX_LOAD_STEPS = 8, 250
 """Loads are rounded down to at most this many steps; fewer steps, weaker bound."""
 
-MAX_CELLS = 40_000_000
+MAX_CELLS = 20_000_000
 """Load steps times pairs of stops: the more stops, the fewer steps."""
 
 
@@ -74,7 +74,10 @@ def walk_bound(
     for _ in range(rounds):
         if stop():
             break
-        cost, visits = _cheapest_walk(d, loads, capacity // step, prices)
+        found = _cheapest_walk(d, loads, capacity // step, prices, stop)
+        if found is None:
+            break
+        cost, visits = found
         trips = most if cost < 0 else fewest
         bound = float(prices.sum()) + trips * cost
         if bound > best * (1 + 1e-9):
@@ -98,9 +101,16 @@ def load_steps(instance: Instance) -> int:
 
 
 def _cheapest_walk(
-    d: Floats, loads: npt.NDArray[np.int64], capacity: int, prices: Floats
-) -> tuple[float, Floats]:
-    """Return the least reduced cost of a walk, and how often it visits each stop."""
+    d: Floats,
+    loads: npt.NDArray[np.int64],
+    capacity: int,
+    prices: Floats,
+    stop: Callable[[], bool],
+) -> tuple[float, Floats] | None:
+    """Return the least reduced cost of a walk, and how often it visits each stop.
+
+    None when stopped: the last rounds of large instances take long.
+    """
     n = len(loads)
     cost = d[1:, 1:].T - prices[:, None]  # (to, from)
     np.fill_diagonal(cost, np.inf)
@@ -110,6 +120,8 @@ def _cheapest_walk(
     first_from = np.full((capacity + 1, n), -1, dtype=np.intp)
     second_from = np.full((capacity + 1, n), -1, dtype=np.intp)
     for carried in range(int(loads.min()), capacity + 1):
+        if stop():
+            return None
         to = np.flatnonzero(loads <= carried)
         before = carried - loads[to]
         reach = (
