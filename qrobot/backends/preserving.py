@@ -75,7 +75,7 @@ class _PreservingPlanner:
             plans = feasible_set(instance)
         except InfeasibleError as error:
             return Search(infeasible=error.reason)
-        if plans.costs.min() >= instance.forbidden_price:
+        if not np.isfinite(plans.lengths(np.arange(plans.size))).any():
             return Search(infeasible=no_way(instance))
         qaoa = SubspaceQAOA.of(plans, self.mixer)
         limit = EVALUATIONS if stop.max_work is None else max(1, stop.max_work // len(SHARES))
@@ -83,7 +83,7 @@ class _PreservingPlanner:
         p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
         rng = np.random.default_rng(seed)
         reads = rng.choice(plans.size, READS, p=p / p.sum())
-        lengths = plans.costs[reads]
+        lengths = plans.lengths(reads)
         routes = [route for route in plans.routes(int(reads[lengths.argmin()])) if route]
         if on_best is not None:
             on_best(routes, float(lengths.min()))
@@ -93,7 +93,8 @@ class _PreservingPlanner:
             # One-hot over robots, steps and nodes, as `subspace_program` has them.
             "variables": plans.capacities.size * instance.size * (instance.size + 1),
             "lengths": lengths,
-            "random_lengths": plans.costs[rng.integers(0, plans.size, READS)],
+            "energy": float(plans.costs[reads].min()),
+            "random_lengths": plans.lengths(rng.integers(0, plans.size, READS)),
             "details": {
                 "mixer": self.mixer,
                 "layers": LAYERS,

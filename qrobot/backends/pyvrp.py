@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
-from qrobot.backends.whole import whole_costs
+from qrobot.backends.whole import usual_distance, whole_costs
 from qrobot.errors import BackendError, MissingExtraError
 from qrobot.problem import Instance
 
@@ -17,12 +18,21 @@ if TYPE_CHECKING:
 
 __all__ = ["PlainPyVRPPlanner", "PyVRPPlanner"]
 
-RESOLUTION = 1e6
-"""Units in the largest distance when distances are not whole."""
+RESOLUTION, PLAIN_RESOLUTION, LARGEST = 1e6, 1e4, 2.0**54
+"""Units in a usual distance when distances are not whole (coarser under PyVRP's own prices of
+overload, which end at 1e5), and the most that a plan may cost: PyVRP adds up 64-bit numbers,
+and prices of overload come on top."""
 
-OVERLOAD, RANGE = 0.5, 100.0
-"""First price of overloading a trip by a mean weight, in largest distances, and how many
-times that it may become."""
+OVERLOAD, MOST_OVERLOAD = 1.25, 50.0
+"""First price of overloading a trip by a mean weight, in usual distances, and the highest, in
+largest distances: what is far off must not be worth an overload."""
+
+
+MANY = 200
+"""Stops beyond which a start is improved everywhere before any part is perturbed."""
+
+FIRST_SHARE = 6.0
+"""The first local search takes this many times as long as building the data, at most."""
 
 
 class PyVRPPlanner:
@@ -67,7 +77,12 @@ class PyVRPPlanner:
             )
         if not instance.orders:
             return Search(routes=[])
+        begun = time.perf_counter()
         data = _problem_data(instance, plain=self.plain)
+        first_seconds = FIRST_SHARE * (time.perf_counter() - begun)
+        if stop.remaining < first_seconds and len(instance.stops) > MANY:
+            # The first step cannot be interrupted.
+            return Search(routes=start or instance.first_routes())
         iterations = 0
         found: list[Routes] = []
 
@@ -114,7 +129,9 @@ def _problem_data(instance: Instance, *, plain: bool) -> pyvrp.ProblemData:
     import pyvrp
 
     capacities, counts = np.unique(instance.vehicle_capacities, return_counts=True)
-    whole = whole_costs(instance, RESOLUTION, int(counts.sum()))
+    whole = whole_costs(
+        instance, PLAIN_RESOLUTION if plain else RESOLUTION, int(counts.sum()), LARGEST
+    )
     matrix = whole.cost(instance.stop_distances)
     if plain:
         matrix //= whole.spread
@@ -168,13 +185,17 @@ def _iterated_search(
         if operator.supports(data):
             local.add_operator(operator(data))
     mean = max(float(instance.stop_weights.mean()), 1.0)
-    price = max(1.0, OVERLOAD * float(data.distance_matrix(0).max()) / mean)
-    limits = pyvrp.PenaltyParams() if plain else pyvrp.PenaltyParams(max_penalty=price * RANGE)
+    matrix = data.distance_matrix(0)
+    largest = max(float(instance.stop_distances.max()), 1e-300)
+    price = OVERLOAD * float(matrix.max()) * min(usual_distance(instance) / largest, 1.0) / mean
+    price = max(1.0, price)
+    highest = max(price, MOST_OVERLOAD * float(matrix.max()) / mean)
+    limits = pyvrp.PenaltyParams() if plain else pyvrp.PenaltyParams(max_penalty=highest)
     first_prices = limits.midpoint_penalties(data) if plain else ([price], price, price)
     prices = pyvrp.PenaltyManager(first_prices, limits)
-    if first is None:
-        random = pyvrp.Solution.make_random(data, rng)
-        first = local(random, prices.max_cost_evaluator(), exhaustive=True)
+    if first is None or len(instance.stops) > MANY:
+        begin = pyvrp.Solution.make_random(data, rng) if first is None else first
+        first = local(begin, prices.max_cost_evaluator(), exhaustive=True)
     return IteratedLocalSearch(
         data, prices, local, first, IteratedLocalSearchParams(callbacks=callbacks)
     )

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from qrobot.problem import Instance
 
-__all__ = ["Whole", "whole_costs"]
+__all__ = ["Whole", "usual_distance", "whole_costs"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Whole:
         return max(0.0, length if self.exact else length - self.spread / self.scale)
 
 
-def whole_costs(instance: Instance, resolution: float, trips: int) -> Whole:
+def whole_costs(instance: Instance, resolution: float, trips: int, largest: float) -> Whole:
     """Return how to write an instance's distances as whole numbers.
 
     Parameters
@@ -54,12 +54,24 @@ def whole_costs(instance: Instance, resolution: float, trips: int) -> Whole:
     instance
         Its distances are kept as they are when they are whole already.
     resolution
-        Otherwise: units in the largest distance.
+        Otherwise: units in a distance of the usual size. One long way, such as that to a
+        place far off, does not coarsen the others.
     trips
         The most trips that a plan can have.
+    largest
+        No plan may cost more.
     """
-    d = instance.place_distances
-    d = d[np.isfinite(d)]
-    if bool((d == np.round(d)).all()) and float(d.max(initial=0.0)) < resolution:
+    d = instance.stop_distances
+    # Every stop is entered once, and every trip comes home.
+    longest = float(d[:, 1:].max(axis=0).sum() + trips * d[1:, 0].max(initial=0.0))
+    room = largest / (trips + 1) / max(longest, 1e-300)
+    if room >= 1.0 and bool((d == np.round(d)).all()):
         return Whole(1.0, trips + 1, True)
-    return Whole(resolution / max(float(d.max(initial=0.0)), 1e-300), trips + 1, False)
+    return Whole(min(resolution / usual_distance(instance), room), trips + 1, False)
+
+
+def usual_distance(instance: Instance) -> float:
+    """Return the median of the ways that useful plans may contain, 1 when none is long."""
+    d = instance.stop_distances
+    useful = d[(d > 0.0) & (d < instance.longest_useful)]
+    return float(np.median(useful)) if useful.size else 1.0

@@ -174,8 +174,9 @@ def _reads(instance: Instance, layout: Layout, judged: _Judged) -> Reads:
     nodes = np.take_along_axis(nodes, order, axis=2)
     home = np.zeros((*nodes.shape[:2], 1), dtype=nodes.dtype)
     ways = np.concatenate([home, nodes, home], axis=2)
-    lengths = instance.distances[ways[..., :-1], ways[..., 1:]].sum(axis=(1, 2))
-    distances[feasible] = np.where(lengths < instance.forbidden_price, lengths, np.inf)
+    rows = instance.place_of_node[ways]
+    # As driven, not as priced: infinite where no way leads.
+    distances[feasible] = instance.place_distances[rows[..., :-1], rows[..., 1:]].sum(axis=(1, 2))
     return Reads(np.isfinite(distances), distances)
 
 
@@ -229,10 +230,11 @@ def _violations(instance: Instance, layout: Layout, judged: _Judged) -> Iterator
 
 def _ways(instance: Instance, routes: list[list[int]]) -> Iterator[Violation]:
     """Name the ways of a plan that do not exist."""
+    row = instance.place_of_node
     for k, route in enumerate(routes):
         corners = [0, *route, 0] if route else []
         for a, b in pairwise(corners):
-            if instance.distances[a, b] >= instance.forbidden_price:
+            if np.isinf(instance.place_distances[row[a], row[b]]):
                 start, end = instance.node_name(a), instance.node_name(b)
                 text = f"no way leads directly from {start} to {end}"
                 yield Violation("way", text, 1, robot=k)

@@ -87,7 +87,7 @@ class Penalties:
             b = a / square
         else:
             small = max(0.0, 1.8 / max(instance.size, 1) - 0.2)
-            a = (0.5 + 0.25 * min(robots, 3) + small) * _largest(instance.distances)
+            a = (0.5 + 0.25 * min(robots, 3) + small) * _largest(instance)
             b = (0.5 if robots == 1 else 1.0) * a / square
         return cls(
             step=a,
@@ -179,16 +179,17 @@ def _compact_weight(instance: Instance, trips: int) -> float:
     d = instance.distances
     n = len(d) - 1
     if n < 2:
-        return _largest(d)
-    spread = float(d[~np.eye(n + 1, dtype=bool)].std())
+        return _largest(instance)
+    # Ways that only mark something would widen the spread of those that are driven.
+    spread = float(d[~np.eye(n + 1, dtype=bool) & (d < instance.longest_useful)].std())
     if trips > 1:
-        return max((1.7 + 6.5 * (trips / n) ** 2) * spread, 0.25 * _largest(d))
+        return max((1.7 + 6.5 * (trips / n) ** 2) * spread, 0.25 * _largest(instance))
     # What the two cheapest ways at an item still cost after the shift is what dropping
     # the item would gain at least.
     shifted = potentials_of(instance, several=False).shifted(d)
     legs = (shifted + shifted.T) / 2 + np.diag(np.full(n + 1, np.inf))
     dropped = float(np.sort(legs, axis=1)[:, :2].mean(axis=1).max())
-    return max(1.25 * spread, 1.3 * dropped, 0.1 * _largest(d))
+    return max(1.25 * spread, 1.3 * dropped, 0.1 * _largest(instance))
 
 
 def _trips_needed(instance: Instance) -> int:
@@ -197,8 +198,10 @@ def _trips_needed(instance: Instance) -> int:
     return max(1, -(-total // room)) if room > 0 else 1
 
 
-def _largest(d: npt.NDArray[np.float64]) -> float:
-    return float(d.max(initial=0.0)) or 1.0
+def _largest(instance: Instance) -> float:
+    """Return the largest distance that a useful plan may contain."""
+    d = instance.distances
+    return float(d.max(where=d < instance.longest_useful, initial=0.0)) or 1.0
 
 
 def _detour(d: npt.NDArray[np.float64]) -> float:

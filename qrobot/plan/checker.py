@@ -132,7 +132,7 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
     robots = {robot.id: robot for robot in instance.robots}
     weights = {item.id: item.weight for item in instance.items}
     places = {item.id: item.place for item in instance.items}
-    ruler = Ruler(instance.warehouse, places.values())
+    ruler = Ruler(instance.warehouse)
     total = 0.0
     for number, trip in enumerate(plan.trips, 1):
         stops = [stop for stop in trip.stops if stop in places]  # the others are told above

@@ -1,7 +1,7 @@
 """The checker's own measure of distances: plain Python, no solver's graph.
 
 Euclid and Manhattan by arithmetic, tables by their rows, and aisle warehouses by Dijkstra's
-algorithm on a graph of its own, in which slots and depot are nodes beside the crossings.
+algorithm on crossings of its own, which slots and depot lie between or beside.
 It shares no code with `AisleGraph` or `Instance.distances`, so that a fault there shows.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections import defaultdict
-from collections.abc import Hashable, Iterable
+from collections.abc import Iterable
 from itertools import pairwise
 
 from qrobot.problem.warehouse import (
@@ -26,6 +26,9 @@ from qrobot.problem.warehouse import (
 
 __all__ = ["Ruler"]
 
+_Crossing = tuple[int, int]
+"""Aisle and cross aisle."""
+
 
 class Ruler:
     """Measures ways in a warehouse; every leg once.
@@ -34,16 +37,12 @@ class Ruler:
     ----------
     warehouse
         Where to measure.
-    places
-        Every place that will be asked for.
     """
 
-    def __init__(self, warehouse: Warehouse, places: Iterable[Place]) -> None:
+    def __init__(self, warehouse: Warehouse) -> None:
         self._warehouse = warehouse
         self._known: dict[tuple[Place | None, Place | None], float] = {}
-        self._walk: _Walk | None = None
-        if isinstance(warehouse, AisleWarehouse):
-            self._walk = _Walk(warehouse, places)
+        self._walk = _Walk(warehouse) if isinstance(warehouse, AisleWarehouse) else None
 
     def trip(self, places: Iterable[Place]) -> float:
         """Return the length of a trip from the depot past the places and back."""
@@ -84,55 +83,59 @@ def _on_floor(floor: OpenFloor, a: Place | None, b: Place | None) -> float:
 
 
 class _Walk:
-    """Dijkstra's algorithm over crossings, slots and the depot of an aisle warehouse."""
+    """Dijkstra's algorithm over the crossings of an aisle warehouse, from place to place."""
 
-    def __init__(self, w: AisleWarehouse, places: Iterable[Place]) -> None:
-        self._steps: defaultdict[Hashable, list[tuple[Hashable, float]]] = defaultdict(list)
-        length = w.end_gap * 2 + w.slot_pitch * (w.slots - 1)
-        used: defaultdict[tuple[int, int], set[int]] = defaultdict(set)
-        for p in places:
-            if isinstance(p, Slot):
-                used[p.aisle, p.block].add(p.slot)
+    def __init__(self, w: AisleWarehouse) -> None:
+        self._w = w
+        self._length = w.end_gap * 2 + w.slot_pitch * (w.slots - 1)
+        self._steps: defaultdict[_Crossing, list[tuple[_Crossing, float]]] = defaultdict(list)
         for aisle in range(w.aisles):
             for block in range(w.blocks):
-                if (aisle, block) in w.closed_aisles:
-                    continue
-                slots = sorted(used[aisle, block])
-                chain: list[tuple[Hashable, float]] = [
-                    (("cross", aisle, block), 0.0),
-                    *(((aisle, block, s), w.end_gap + s * w.slot_pitch) for s in slots),
-                    (("cross", aisle, block + 1), length),
-                ]
-                for (a, at), (b, to) in pairwise(chain):
-                    self._join(a, b, to - at)
+                if (aisle, block) not in w.closed_aisles:
+                    self._join((aisle, block), (aisle, block + 1), self._length)
         for cross in range(w.blocks + 1):
             for aisle in range(w.aisles - 1):
                 if (cross, aisle) not in w.closed_crossings:
-                    self._join(("cross", aisle, cross), ("cross", aisle + 1, cross), w.aisle_pitch)
-        door = ("cross", w.depot_aisle, w.depot_cross_aisle)
-        self._join("depot", door, w.depot_distance)
+                    self._join((aisle, cross), (aisle + 1, cross), w.aisle_pitch)
 
-    def _join(self, a: Hashable, b: Hashable, length: float) -> None:
+    def _join(self, a: _Crossing, b: _Crossing, length: float) -> None:
         self._steps[a].append((b, length))
         self._steps[b].append((a, length))
 
+    def _gates(self, place: Place | None) -> dict[_Crossing, float]:
+        """Return the crossings next to a place and how far they are; None is the depot."""
+        w = self._w
+        if not isinstance(place, Slot):
+            return {(w.depot_aisle, w.depot_cross_aisle): w.depot_distance}
+        if (place.aisle, place.block) in w.closed_aisles:
+            return {}
+        front = w.end_gap + place.slot * w.slot_pitch
+        return {
+            (place.aisle, place.block): front,
+            (place.aisle, place.block + 1): self._length - front,
+        }
+
     def __call__(self, start: Place | None, end: Place | None) -> float:
         """Return the length of a shortest way, ``inf`` without one; None is the depot."""
-        source, target = (
-            (p.aisle, p.block, p.slot) if isinstance(p, Slot) else "depot" for p in (start, end)
-        )
-        done: set[Hashable] = set()
-        turn = 0  # breaks ties, so that nodes are never compared
-        queue: list[tuple[float, int, Hashable]] = [(0.0, turn, source)]
+        gates, best = self._gates(end), math.inf
+        queue = [(length, at) for at, length in self._gates(start).items()]
+        if not gates or not queue:
+            return math.inf
+        match start, end:  # along the aisle that both are in
+            case Slot(), Slot() if (start.aisle, start.block) == (end.aisle, end.block):
+                best = abs(start.slot - end.slot) * self._w.slot_pitch
+        heapq.heapify(queue)
+        done: set[_Crossing] = set()
         while queue:
-            length, _, at = heapq.heappop(queue)
-            if at == target:
-                return length
+            length, at = heapq.heappop(queue)
+            if length >= best:
+                break
             if at in done:
                 continue
             done.add(at)
+            if at in gates:
+                best = min(best, length + gates[at])
             for to, step in self._steps[at]:
                 if to not in done:
-                    turn += 1
-                    heapq.heappush(queue, (length + step, turn, to))
-        return math.inf
+                    heapq.heappush(queue, (length + step, to))
+        return best

@@ -15,37 +15,38 @@ from contextlib import contextmanager
 from qrobot.backends import Planner, Stop, available, get
 from qrobot.backends.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.exact.partition import MAX_ELEMENTS
-from qrobot.planning.bounds import forest_bound, quick_bound, walk_bound
+from qrobot.planning.bounding import begin_bound, bound_from_below, share_of, time_to_search
 from qrobot.planning.crew import Crew, spare_cores
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 
-__all__ = ["bound_from_below", "choose_search", "run_auto"]
+__all__ = ["choose_search", "run_auto"]
 
-FIRST_SHARE, FIRST_SECONDS, FIRST_WORK = 0.1, 0.5, 5
+FIRST_SHARE, FIRST_SECONDS = 0.1, 0.5
 """Before a proof, the search gets a tenth of the time, at most half a second, or a fifth of
 the work."""
 
 PROOF_SHARE = 0.6
 """The proof gets this share of the time; then the search goes on."""
 
-BOUND_SHARE, BOUND_SECONDS = 0.07, 1.0
-"""The bound of large instances gets a fourteenth of the time, at most a second."""
-
-INSTANT = 8
-"""Orders that are proven in no time."""
-
 PATIENCE = 0.3
 """A search that found no plan in this share of the time gets a packing to start from."""
 
 
-HELPED_SECONDS, HELPER_START = 3.0, 0.3
+MANY_STOPS = 200
+"""Stops beyond which a plan is made at once, before the search."""
+
+HELPED_SECONDS = 3.0
 """Searches this long get the other cores too; starting a process takes a part of a second."""
 
 
 def choose_search(instance: Instance) -> Planner:
     """Return the best search that is installed and keeps what must stay together."""
-    name = "pyvrp" if available("pyvrp") and not instance.whole_orders else "batching"
+    pyvrp = available("pyvrp") and not instance.whole_orders
+    return _planner("pyvrp" if pyvrp else "batching")
+
+
+def _planner(name: str) -> Planner:
     planner = get(name)
     assert isinstance(planner, Planner)
     return planner
@@ -60,60 +61,80 @@ def run_auto(run: Run) -> None:
     search = choose_search(run.instance)
     if small and not run.finished and _has_cp_sat():
         # A first plan tells the set partition which trips cannot be part of a better one.
-        run.plan(search, _part(run.stop, FIRST_SHARE, FIRST_SECONDS))
+        run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
         run.plan(exact, _proving(run.stop))
+    if not run.finished:
+        _begin(run)
     if not run.finished and not run.stop():
         _search_on(run, search)
     bound_from_below(run)
 
 
+def _begin(run: Run) -> None:
+    """Have a plan before a search that may be too slow for its first, or for which it is late."""
+    late = run.stop() or len(run.instance.stops) > MANY_STOPS
+    if late and run.routes is None and (routes := run.instance.first_routes()) is not None:
+        run.begin("insertion")
+        run.offer(routes)
+
+
 def _search_on(run: Run, search: Planner) -> None:
     """Search until it is time for the bound; without any plan after a while, pack first."""
-    left = run.stop.remaining
-    seconds = None if math.isinf(left) else left - min(BOUND_SHARE * left, BOUND_SECONDS)
-    part = _Patient(run, seconds)
-    with _helpers(run, search, seconds):
+    begin_bound(run)
+    if run.finished:
+        return
+    stop = time_to_search(run)
+    with _helpers(run, search, stop.remaining) as crew:
+        part = _Patient(run, stop, crew)
         run.plan(search, part)
+        if math.isfinite(part.remaining) and part.max_work is None and not part():
+            run.plan(_planner("batching"), part)  # PyVRP gave up: too little time for it
         run.out_of_time = part.remaining <= 0
-    if run.routes is None and not run.finished and not run.stop():
+    if run.routes is None and run.infeasible is None and not run.stop():
         run.begin("packing")
         with run.timed("run"):
-            routes, impossible = pack(run.instance, run.stop, run.seed)
+            routes, impossible = pack(run.instance, stop, run.seed)
         if impossible:
             run.infeasible = no_packing(run.instance)
         elif routes is not None:
             run.offer(routes)
-            run.plan(search, run.stop)
+            run.plan(search, stop)
+            run.out_of_time = stop.remaining <= 0
 
 
 @contextmanager
-def _helpers(run: Run, search: Planner, seconds: float | None) -> Iterator[None]:
+def _helpers(run: Run, search: Planner, seconds: float) -> Iterator[Crew | None]:
     """Let the other cores search too while the block runs, where it is worth their start."""
-    long = seconds is not None and seconds >= HELPED_SECONDS
+    long = HELPED_SECONDS <= seconds < math.inf
     helpers = spare_cores() if long and run.stop.max_work is None else 0
     if not helpers:
-        yield
+        yield None
         return
-    assert seconds is not None
     # PyVRP's own settings beside ours: what one misses the other often finds.
     other = "pyvrp-plain" if search.name == "pyvrp" else search.name
-    crew = Crew(run.instance, other, run.seed, seconds - HELPER_START, None, helpers)
+    crew = Crew(run.instance, other, run.seed, seconds, None, helpers)
     try:
-        yield
+        yield crew
     finally:
         with run.timed("run"):
             crew.close(run.offer, wait=0.0)
 
 
 class _Patient(Stop):
-    """A stop for a part of a run that also ends when no plan was found for too long."""
+    """A stop for a part of a run that also ends when no plan was found for too long.
 
-    def __init__(self, run: Run, seconds: float | None) -> None:
-        super().__init__(seconds, run.stop.max_work, parent=run.stop)
-        self._run = run
+    Whenever it is asked, what helpers have found is offered to the run.
+    """
+
+    def __init__(self, run: Run, stop: Stop, crew: Crew | None) -> None:
+        left = stop.remaining
+        super().__init__(None if math.isinf(left) else left, stop.max_work, parent=stop)
+        self._run, self._crew = run, crew
 
     def __call__(self, work: int = 0) -> bool:
         """Return True when it is time to stop after `work` units."""
+        if self._crew is not None:
+            self._crew.deliver(self._run.offer)
         if super().__call__(work):
             return True
         if self._run.routes is not None:
@@ -121,33 +142,6 @@ class _Patient(Stop):
         if self.max_work is not None and work > PATIENCE * self.max_work:
             return True
         return self.seconds is not None and self.elapsed > PATIENCE * self.seconds
-
-
-def bound_from_below(run: Run) -> None:
-    """Raise the run's lower bound, by as much work as the deadline affords."""
-    if run.proven or run.routes is None:
-        return
-    with run.timed("bound"):
-        if _proved(run):
-            return
-        run.raise_bound(quick_bound(run.instance))
-        part = _part(run.stop, 1.0, BOUND_SECONDS)
-        run.raise_bound(forest_bound(run.instance, run.cost, part))
-        run.raise_bound(walk_bound(run.instance, run.cost, part))
-
-
-def _proved(run: Run) -> bool:
-    """Take the optimum of a small instance as the bound; its plan stays out of the result."""
-    exact = ExactPlanner()
-    small = len(run.instance.orders) <= MAX_ELEMENTS and exact.fits(run.instance)
-    if not small or exact.name in run.steps:
-        return False
-    # So few orders take a millisecond or two: worth it even when time is up.
-    late = run.stop() and len(run.instance.orders) <= INSTANT
-    stop = Stop(BOUND_SECONDS) if late else _part(run.stop, 1.0, BOUND_SECONDS)
-    found = exact.search(run.instance, stop=stop, seed=run.seed)
-    run.raise_bound(found.bound)
-    return found.optimal
 
 
 def _proving(stop: Stop) -> Stop:
@@ -158,11 +152,3 @@ def _proving(stop: Stop) -> Stop:
 
 def _has_cp_sat() -> bool:
     return importlib.util.find_spec("ortools") is not None
-
-
-def _part(stop: Stop, share: float, most: float) -> Stop:
-    """Return a stop for a share of the time that is left, or of the work."""
-    # Without a deadline only work counts: a clock would make the plan depend on the machine.
-    seconds = None if math.isinf(stop.remaining) else min(share * stop.remaining, most)
-    work = None if stop.max_work is None else max(1, stop.max_work // FIRST_WORK)
-    return stop.within(seconds, work)

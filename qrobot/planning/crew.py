@@ -13,7 +13,10 @@ import pickle
 import subprocess
 import sys
 import threading
+import time
+from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from typing import IO
 
 from qrobot._children import child_environment
@@ -25,8 +28,8 @@ __all__ = ["Crew", "spare_cores"]
 MOST = 3
 """More helpers than this find little more, and a Pi's memory bus is narrow."""
 
-PATIENCE = 2.0
-"""Seconds that a helper may take to write its last line."""
+DELIVERY = 0.2
+"""Seconds between looks at what helpers have found."""
 
 
 def spare_cores() -> int:
@@ -50,7 +53,7 @@ class Crew:
     seed
         Of this process; helper h uses ``seed + h``, h from 0.
     seconds
-        Their deadline.
+        Their deadline from now on, starting included.
     max_work
         Their limit of work.
     helpers
@@ -66,11 +69,14 @@ class Crew:
         max_work: int | None,
         helpers: int,
     ) -> None:
-        self._plans: list[Routes] = []
+        # The monotonic clock is one for all processes, however late a helper gets going.
+        end = None if seconds is None else time.monotonic() + seconds
+        question = pickle.dumps((instance, backend, end, max_work))
+        self._latest: list[deque[bytes]] = []
+        self._looked = 0.0
         self._processes: list[subprocess.Popen[bytes]] = []
         self._readers: list[threading.Thread] = []
         for h in range(helpers):
-            task = pickle.dumps((instance, backend, seed + h, seconds, max_work))
             process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "qrobot.planning.worker"],
                 env=child_environment(),
@@ -81,42 +87,64 @@ class Crew:
             )
             assert process.stdin is not None
             assert process.stdout is not None
+            latest: deque[bytes] = deque(maxlen=1)  # its plans only get better
             reader = threading.Thread(
-                target=self._talk, args=(process.stdin, process.stdout, task), daemon=True
+                target=_talk,
+                args=(process.stdin, process.stdout, question + pickle.dumps(seed + h), latest),
+                daemon=True,
             )
             reader.start()
+            self._latest.append(latest)
             self._processes.append(process)
             self._readers.append(reader)
 
-    def _talk(self, to: IO[bytes], back: IO[bytes], task: bytes) -> None:
-        try:
-            to.write(task)
-            to.flush()
-            for line in back:
-                self._plans.append(json.loads(line))
-        except (OSError, ValueError):
-            return  # a helper that died costs its plans, nothing else
-
-    def close(self, offer: Callable[[Routes], None], *, wait: float) -> None:
-        """End the helpers and offer all plans that they found.
+    def deliver(self, offer: Callable[[Routes], None], *, now: bool = False) -> None:
+        """Offer the plans that helpers have found since the last time.
 
         Parameters
         ----------
         offer
             Called with every plan.
+        now
+            Even when the last look was a moment ago.
+        """
+        if not now and time.monotonic() - self._looked < DELIVERY:
+            return
+        self._looked = time.monotonic()
+        for latest in self._latest:
+            if latest:
+                offer(json.loads(latest.popleft()))
+
+    def close(self, offer: Callable[[Routes], None], *, wait: float) -> None:
+        """End the helpers and offer what they have found.
+
+        Parameters
+        ----------
+        offer
+            Called with the last plan of each.
         wait
             Seconds to wait for helpers that are still within their limits.
         """
-        for process, reader in zip(self._processes, self._readers, strict=True):
+        for reader in self._readers:
             reader.join(max(wait, 0.0))
-            if process.stdin is not None:
-                process.stdin.close()  # tells the helper to end
-            reader.join(PATIENCE)
-            if reader.is_alive():
-                process.kill()
+        for process in self._processes:
+            process.kill()  # every better plan was told when it was found
+        for process, reader in zip(self._processes, self._readers, strict=True):
             process.wait()
             reader.join()
-            if process.stdout is not None:
-                process.stdout.close()
-        for plan in self._plans:
-            offer(plan)
+            for pipe in (process.stdin, process.stdout):
+                if pipe is not None:
+                    with suppress(OSError):  # what was not written yet
+                        pipe.close()
+        self.deliver(offer, now=True)
+
+
+def _talk(to: IO[bytes], back: IO[bytes], task: bytes, latest: deque[bytes]) -> None:
+    try:
+        to.write(task)
+        to.flush()
+        for line in back:
+            if line.endswith(b"\n"):  # not cut off by the end
+                latest.append(line)
+    except (OSError, ValueError):
+        return  # a helper that died costs its plans, nothing else

@@ -10,7 +10,7 @@ from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.models import build_model
 from qrobot.planning.arguments import check_arguments, check_options
-from qrobot.planning.auto import bound_from_below
+from qrobot.planning.bounding import bound_from_below
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.reads import parameters_of, split_options, take_reads
 from qrobot.planning.result import Result

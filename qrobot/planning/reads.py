@@ -105,8 +105,11 @@ def take_reads(
     parts = timing_fields(samples.info)
     # A remote device tells its own work; a local one's is all that we waited for.
     parts.setdefault("run", time.perf_counter() - begun)
-    if (cut := samples.info.get("cut") or _shortfall(samples, parameters, sampling)) is not None:
-        run.notes.append(f"{sampler.name}: {cut}")
+    asked = sampling.get("num_reads")
+    if isinstance(asked, int) and asked > parameters["num_reads"]:
+        allowed = parameters["num_reads"]
+        run.notes.append(f"{sampler.name}: the limit of work allows {allowed} of {asked} reads")
+    _tell_cut(run, sampler.name, samples, parameters)
     for name, seconds in parts.items():
         setattr(run.timing, name, getattr(run.timing, name) + seconds)
     if sampler.runs_remotely(**sampling) and math.isinf(run.stop.remaining):
@@ -115,17 +118,20 @@ def take_reads(
     return samples
 
 
-def _shortfall(
-    samples: dimod.SampleSet, parameters: dict[str, Any], sampling: dict[str, Any]
-) -> str | None:
-    """Return a sentence when fewer reads came than were asked for, whatever the reason."""
-    asked, taken = sampling.get("num_reads"), int(samples.record.num_occurrences.sum())
-    allowed = parameters.get("num_reads")
-    if isinstance(asked, int) and isinstance(allowed, int) and allowed < asked:
-        return f"{taken} of {asked} reads were taken: the limit of work allows {allowed}"
-    if isinstance(allowed, int) and 0 < taken < allowed:
-        return f"the sampler's share of the time was up: {taken} of {allowed} reads were taken"
-    return None
+def _tell_cut(run: Run, name: str, samples: dimod.SampleSet, parameters: dict[str, Any]) -> None:
+    """Say so when a sampler was stopped before it had done its work."""
+    if (cut := samples.info.get("cut")) is not None:
+        run.notes.append(f"{name}: {cut}")
+    part = parameters.get("interrupt_function")
+    if not isinstance(part, Stop) or part.remaining > 0:
+        return
+    taken, wanted = int(samples.record.num_occurrences.sum()), parameters.get("num_reads")
+    if cut is None and isinstance(wanted, int) and taken < wanted and not part.requested:
+        run.notes.append(
+            f"{name} took {taken} of {wanted} reads in its share of the deadline, "
+            f"{SAMPLING_SHARE:.0%}"
+        )
+    run.out_of_time |= cut is not None or (isinstance(wanted, int) and taken < wanted)
 
 
 def parameters_of(
@@ -143,7 +149,8 @@ def parameters_of(
         When the reads do not fit into the memory.
     """
     d = model.instance.place_distances
-    largest = float(d.max(initial=0.0, where=np.isfinite(d))) or 1.0
+    useful = d <= model.instance.longest_useful
+    largest = float(d.max(initial=0.0, where=useful & np.isfinite(d))) or 1.0
     parameters = sampler.picking_defaults(largest_distance=largest) | sampling
     if "seed" in sampler.parameters:
         parameters.setdefault("seed", seed)

@@ -21,7 +21,7 @@ __all__ = ["Progress", "Run", "plan_fits"]
 
 Lengths = npt.NDArray[np.float64]
 
-TIE = 1e-9
+TIE = 1e-11
 """Relative: distances closer than this are equal, and the fewer trips win."""
 
 
@@ -78,6 +78,7 @@ class Run:
         self.proven = False
         self.infeasible: str | None = None
         self.out_of_time = False
+        self.check_seconds = 0.0  # kept back for the check of the plan
         self.steps: list[str] = []
         self.work: dict[str, int] = {}
         self.timing = Timing()
@@ -109,7 +110,7 @@ class Run:
 
     def raise_bound(self, bound: float) -> None:
         """Keep a larger lower bound; whole distances lift it to the next whole number."""
-        d = self.instance.place_distances
+        d = self.instance.stop_distances
         if bool((d == np.round(d)).all()):
             bound = float(np.ceil(bound - 1e-6))
         self.bound = max(self.bound, bound)
@@ -181,10 +182,9 @@ class Run:
     def _tell_reads(self, name: str, told: Mapping[str, Any]) -> None:
         """Report the reads of a planner that samples plans."""
         both = (np.asarray(told[k], dtype=np.float64) for k in ("lengths", "random_lengths"))
-        # Those that take a forbidden way, at its price, are no plans.
-        allowed = self.instance.forbidden_price
+        # Those that take a forbidden way are not plans.
         (lengths, feasible), (random, random_feasible) = (
-            (all_[all_ < allowed], float((all_ < allowed).mean())) for all_ in both
+            (all_[np.isfinite(all_)], float(np.isfinite(all_).mean())) for all_ in both
         )
         self.reads = (lengths, random)
         self.sampler = SamplerReport(
@@ -195,7 +195,7 @@ class Run:
             feasible_fraction=feasible,
             best=float(lengths.min()) if lengths.size else None,
             mean=float(lengths.mean()) if lengths.size else None,
-            energy=float(np.min(told["lengths"])),
+            energy=told["energy"],
             random_feasible_fraction=random_feasible,
             random_best=float(random.min()) if random.size else None,
             of_plans=True,

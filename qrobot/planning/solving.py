@@ -11,7 +11,8 @@ from qrobot.backends import Planner, Stop, get
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.plan import Plan, check
 from qrobot.planning.arguments import check_arguments, check_options
-from qrobot.planning.auto import bound_from_below, run_auto
+from qrobot.planning.auto import run_auto
+from qrobot.planning.bounding import begin_bound, bound_from_below, time_to_search
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.interrupts import graceful_interrupts
 from qrobot.planning.result import Ending, Result, SamplerReport
@@ -148,7 +149,10 @@ class _Question:
             if chosen is None:
                 run_auto(run)
             elif isinstance(chosen, Planner):
-                run.plan(chosen, run.stop)
+                begin_bound(run)
+                search = time_to_search(run)
+                run.plan(chosen, search)
+                run.out_of_time = search.remaining <= 0
                 bound_from_below(run)
             else:
                 from qrobot.planning.sampling import run_sampler

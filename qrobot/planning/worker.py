@@ -5,9 +5,11 @@ Only ever started by `Crew`, over pipes that nobody else can reach.
 
 from __future__ import annotations
 
+import os
 import pickle
 import sys
 import threading
+import time
 from collections.abc import Sequence
 
 from qrobot._json import json_text
@@ -16,11 +18,18 @@ from qrobot.backends import Planner, Stop, get
 __all__ = ["main"]
 
 
+NICENESS = 5
+"""Whoever asked must not wait for those that help."""
+
+
 def main() -> None:
     """Search until the limits are reached or the standard input is closed."""
     source = sys.stdin.buffer
-    instance, backend, seed, seconds, max_work = pickle.load(source)  # noqa: S301 - our parent's
-    stop = Stop(seconds, max_work)
+    instance, backend, end, max_work = pickle.load(source)  # noqa: S301 - our parent's
+    seed = pickle.load(source)  # noqa: S301
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
+    stop = Stop(None if end is None else max(end - time.monotonic(), 0.0), max_work)
 
     def watch() -> None:
         source.read()  # returns when the parent closes the pipe or is gone

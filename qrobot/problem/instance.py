@@ -23,7 +23,9 @@ from qrobot.problem.asymmetry import unreachable, unusual
 from qrobot.problem.checks import check_reference
 from qrobot.problem.coarse import coarse
 from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.insertion import insert_orders
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
+from qrobot.problem.useful import outlying, useful_limit
 from qrobot.problem.validity import MAX_ITEMS, check_entities, some
 from qrobot.problem.warehouse import DistanceTable, OpenFloor, Place, Warehouse
 
@@ -94,7 +96,8 @@ class Instance:
     def distances(self) -> npt.NDArray[np.float64]:
         """Distances between depot (node 0) and items (node i + 1), shape (n + 1, n + 1).
 
-        All finite, for solvers and models: a forbidden way costs `forbidden_price`.
+        All finite, for solvers and models: no way costs more than `longest_useful`, be it
+        forbidden or marked by a large number.
 
         Raises
         ------
@@ -140,24 +143,27 @@ class Instance:
         return matrix
 
     @cached_property
-    def forbidden_price(self) -> float:
-        """What a forbidden way costs in `distances`; ``inf`` when every way is allowed.
+    def longest_useful(self) -> float:
+        """What a way costs at most in `distances`; ``inf`` when all ways stand as they are.
 
-        More than any plan without a forbidden way is long, so the shortest plan takes none
-        where it can, and a plan that costs less takes none.
+        More than some plan without a forbidden way is long, so that no shortest plan takes a
+        way of that price: neither one that is forbidden nor one that a large number marks.
         """
-        d = self.place_distances
-        if np.isfinite(d).all():
-            return math.inf
-        # Every item is left once, the depot once a trip, each by its longest way at most.
-        longest = np.where(np.isfinite(d), d, 0.0).max(axis=1)[self.place_of_node]
-        trips = min(len(self.orders), sum(robot.trips for robot in self.robots))
-        return math.ceil(1.01 * float(longest[1:].sum() + trips * longest[0])) + 1.0
+        if not isinstance(self.warehouse, DistanceTable) or not self.stops:
+            return math.inf  # the way there and back is longer than any way of a metric
+        rows = self._stop_rows
+        return useful_limit(
+            self.place_distances[np.ix_(rows, rows)],
+            self._order_stops,
+            self.order_weights.tolist(),
+            self.vehicle_capacities,
+        )
 
     def _priced(self, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
-        """Return the distances between places, those of forbidden ways as their price."""
+        """Return the distances between places, none above `longest_useful`."""
         matrix = self.place_distances[np.ix_(rows, rows)]
-        matrix[np.isinf(matrix)] = self.forbidden_price
+        if not math.isinf(self.longest_useful):
+            np.minimum(matrix, self.longest_useful, out=matrix)
         matrix.flags.writeable = False
         return matrix
 
@@ -218,7 +224,7 @@ class Instance:
         return len(self.stops) > len(self.orders)
 
     @property
-    def _metric(self) -> bool:
+    def surely_metric(self) -> bool:
         """Whether the kind of warehouse alone guarantees the triangle inequality."""
         kind = self.warehouse
         return kind.kind == "aisles" or (kind.kind == "floor" and kind.rounding == "none")
@@ -233,7 +239,7 @@ class Instance:
         found: dict[tuple[int, Place | int], list[int]] = {}
         for o, nodes in enumerate(self.order_nodes):
             for node in nodes:
-                place = self.items[node - 1].place if self._metric else node
+                place = self.items[node - 1].place if self.surely_metric else node
                 found.setdefault((o, place), []).append(node)
         return tuple(tuple(nodes) for nodes in found.values())
 
@@ -243,7 +249,20 @@ class Instance:
 
         All finite, as `distances` are.
         """
-        return self._priced(self.place_of_node[[0, *(nodes[0] for nodes in self.stops)]])
+        return self._priced(self._stop_rows)
+
+    @cached_property
+    def _stop_rows(self) -> npt.NDArray[np.intp]:
+        """For each stop its row in `place_distances`, the depot first."""
+        return self.place_of_node[[0, *(nodes[0] for nodes in self.stops)]]
+
+    @cached_property
+    def _order_stops(self) -> list[list[int]]:
+        """For each order its rows in `stop_distances`."""
+        found: list[list[int]] = [[] for _ in self.orders]
+        for s, nodes in enumerate(self.stops):
+            found[int(self.order_of_node[nodes[0]])].append(s + 1)
+        return found
 
     @cached_property
     def stop_weights(self) -> npt.NDArray[np.int64]:
@@ -252,6 +271,28 @@ class Instance:
             [sum(int(self.weights[v - 1]) for v in nodes) for nodes in self.stops],
             dtype=np.int64,
         )
+
+    def first_routes(self) -> list[list[int]] | None:
+        """Return the nodes of each trip of a plan made in no time, or None where it fails."""
+        weights = self.order_weights.tolist()
+        heaviest_first = sorted(range(len(weights)), key=lambda o: -weights[o])
+        for first_fit in (False, True):
+            row = insert_orders(
+                self.stop_distances,
+                self._order_stops,
+                weights,
+                self.vehicle_capacities,
+                heaviest_first,
+                first_fit=first_fit,
+            )
+            if row is not None:
+                trips = np.split(row, np.flatnonzero(row == 0)[1:])
+                return [
+                    [node for s in trip.tolist() if s for node in self.stops[s - 1]]
+                    for trip in trips
+                    if len(trip) > 1
+                ]
+        return None
 
     def route_length(self, route: Sequence[int]) -> float:
         """Return the length of the way from the depot past the nodes and back, metres.
@@ -270,18 +311,19 @@ class Instance:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Facts about the input that its plans depend on, one sentence each."""
-        floor = self.warehouse
-        if isinstance(floor, OpenFloor) and floor.rounding == "nearest" and self.size:
+        if not self.items:
+            return self.remarks
+        d, floor = self.place_distances, self.warehouse
+        first = np.unique(self.place_of_node, return_index=True)[1].tolist()
+        names = [self.node_name(node) for node in first]
+        found = self.remarks + outlying(d, names, self.longest_useful)
+        if isinstance(floor, DistanceTable):  # the others are metric by construction
+            found += unusual(d, names)
+        elif isinstance(floor, OpenFloor) and floor.rounding == "nearest":
             exact = dataclasses.replace(floor, rounding="none")
             rule = "EUC_2D" if floor.metric == "euclidean" else "MAN_2D"
-            lengths = lambda: exact.distance_matrix(self.places)  # noqa: E731
-            return self.remarks + coarse(self.place_distances, lengths, rule)
-        if not isinstance(self.warehouse, DistanceTable):
-            return self.remarks  # metric by construction
-        first = np.unique(self.place_of_node, return_index=True)[1].tolist()
-        return self.remarks + unusual(
-            self.place_distances, [self.node_name(node) for node in first]
-        )
+            found += coarse(d, lambda: exact.distance_matrix(self.places), rule)
+        return found
 
     @property
     def size(self) -> int:

@@ -15,6 +15,10 @@ WARM, COLD = 0.1, 0.001
 """First and last temperature of the acceptance, as shares of the mean trip length."""
 
 
+MANY = 10_000
+"""Orders times trips: more are not tried one by one for a first plan."""
+
+
 class BatchingPlanner:
     """Good plans for orders that stay whole, without any extra software.
 
@@ -82,9 +86,7 @@ def polished(
     """
     best = now.copy()
     told = math.inf
-    # What is left over the prices of forbidden ways is what is driven.
-    driven = math.fmod(sum(now.lengths), yard.instance.forbidden_price)
-    scale = driven / max(1, sum(1 for tour in now.tours if tour))
+    scale = yard.driven(now.tours) / max(1, sum(1 for tour in now.tours if tour))
     rounds = 0
     while True:
         if not best.absent and best.cost < told:
@@ -119,6 +121,8 @@ def begin(yard: Yard, routes: Routes | None) -> Batches:
         taken out and inserted anew.
     """
     state = Batches.empty(yard)
+    if routes is None and len(yard.weights) * len(yard.capacities) > MANY:
+        routes = yard.instance.first_routes()  # one by one would take seconds
     if routes:
         _place(state, yard.tours(routes))
     state.recreate()

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from qrobot.backends.base import Stop
 from qrobot.backends.batching.tour import improve_tour, tour_length
+from qrobot.backends.whole import usual_distance
 from qrobot.problem import Instance
 
 __all__ = ["Batches", "Yard"]
@@ -21,6 +22,9 @@ __all__ = ["Batches", "Yard"]
 AVERAGE_REMOVED = 8
 BLINK = 0.02
 MEMO_SIZE = 50_000
+
+FAR = 10.0
+"""Ways this many times as long as usual say nothing about the differences between plans."""
 
 
 class Yard:
@@ -42,6 +46,7 @@ class Yard:
             if node:
                 self.order_stops[order].append(node)
         self.lost = 1.0 + 4.0 * float(self.distances.max(initial=1.0)) * len(self.distances)
+        self.tie = 1e-12 * float(self.distances.max(initial=0.0))
         self.near = self._neighbours()
         self._memo: dict[frozenset[int], list[int]] = {}
 
@@ -63,13 +68,20 @@ class Yard:
         key = frozenset(tour)
         known = self._memo.get(key)
         if known is None or tour_length(self.distances, tour) < (
-            tour_length(self.distances, known) - 1e-9
+            tour_length(self.distances, known) * (1 - 1e-12)
         ):
             known = improve_tour(self.distances, tour, self.stop)
             if len(self._memo) >= MEMO_SIZE:
                 self._memo.clear()
             self._memo[key] = known
         return known
+
+    def driven(self, tours: list[list[int]]) -> float:
+        """Return the length of tours without ways that are useless or lead far off."""
+        nodes = np.array([0, *(s for tour in tours for s in (*tour, 0))], dtype=np.intp)
+        legs = self.distances[nodes[:-1], nodes[1:]]
+        most = min(self.instance.longest_useful, FAR * usual_distance(self.instance))
+        return float(legs.sum(where=legs < most))
 
     def routes(self, tours: list[list[int]]) -> list[list[int]]:
         """Return tours of stops as routes of the instance's nodes."""
@@ -127,7 +139,7 @@ class Batches:
         """Distance, with a price on trips (ties) and a very high one on absent orders."""
         used = sum(1 for tour in self.tours if tour)
         out = sum(self.yard.weights[o] + 1 for o in self.absent)
-        return float(sum(self.lengths) + 1e-9 * used + self.yard.lost * out)
+        return float(sum(self.lengths) + self.yard.tie * used + self.yard.lost * out)
 
     def put(self, trip: int, tour: list[int]) -> None:
         """Set a trip's tour and its length."""

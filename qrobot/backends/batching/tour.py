@@ -11,7 +11,7 @@ __all__ = ["improve_tour", "tour_length"]
 
 Floats = npt.NDArray[np.float64]
 
-MIN_GAIN = 1e-9
+MIN_GAIN = 1e-12
 """Relative to the tour: smaller gains are rounding."""
 
 WINDOW = 120

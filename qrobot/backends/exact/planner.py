@@ -35,8 +35,12 @@ MAX_COLUMNS = 150_000
 FIRST_SHARE, FIRST_ROUNDS = 0.1, 300
 """Of the time, and rounds of ruin and recreate, for a plan to begin with."""
 
-RESOLUTION = 1e9
-"""Units in the largest distance when distances are not whole: proofs hold to 1e-8 of it."""
+RESOLUTION, LARGEST = 1e9, 2.0**45
+"""Units in a usual distance when distances are not whole, and the most that a plan may cost:
+CP-SAT's 64 bits hold the sum of all columns."""
+
+ROUNDING = 1e-13
+"""Of the largest distance: what sums of distances are rounded by."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,8 +178,9 @@ def _split(
     instance: Instance, columns: Columns, capacities: npt.NDArray[np.int64]
 ) -> Routes | None:
     # One more trip costs a hair, so that ties in distance go to fewer robots.
-    tie = 0.5 / whole_costs(instance, RESOLUTION, len(instance.orders)).scale
+    tie = 0.5 / whole_costs(instance, RESOLUTION, len(instance.orders), LARGEST).scale
     tie /= len(instance.orders) + 1
+    tie = max(tie, ROUNDING * float(instance.stop_distances.max()))
     tables = []
     for capacity in capacities.tolist():
         fits = columns.loads <= capacity
@@ -203,7 +208,7 @@ def _cover(
     total = int(instance.order_weights.sum())
     # The other trips must hold the rest, so a trip cannot be arbitrarily light.
     useful = np.flatnonzero(columns.loads >= total - int(capacities[:-1].sum()))
-    whole = whole_costs(instance, RESOLUTION, orders)
+    whole = whole_costs(instance, RESOLUTION, orders, LARGEST)
     costs = whole.cost(columns.lengths[useful]) + 1
     masks, loads = columns.masks[useful], columns.loads[useful]
     if not len(useful):
@@ -211,7 +216,8 @@ def _cover(
     upper = np.inf
     if start is not None:
         lengths = np.array([instance.route_length(route) for route in start])
-        upper = float(whole.cost(lengths).sum() + len(start))
+        if lengths.sum() * whole.scale * whole.spread < LARGEST:
+            upper = float(whole.cost(lengths).sum() + len(start))
     fewest = int(np.searchsorted(np.cumsum(capacities), total)) + 1
     prices = lagrangian(
         masks, costs.astype(np.float64), orders, (fewest, len(capacities)), upper, stop

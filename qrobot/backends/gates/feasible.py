@@ -99,6 +99,12 @@ class FeasibleSet:
                 found.append([])
         return found
 
+    def lengths(self, indices: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
+        """Return how far the robots drive in some states; ``inf`` where no way leads."""
+        if math.isinf(self.instance.longest_useful):
+            return np.asarray(self.costs[indices])
+        return np.array([self.instance.length(self.routes(int(i))) for i in indices])
+
     def assignment(self, index: int, slack: Slack | None = None) -> set[str]:
         """Return the labels of the variables that are 1 in a state's bit string.
 

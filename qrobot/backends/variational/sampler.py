@@ -202,7 +202,7 @@ class VariationalSampler(PickingSampler):
         info["timing"] = lengths(("build", "optimise", "sample"), clock)
         if reads < options.num_reads:
             info["cut"] = (
-                f"the sampler's share of the time was up: the search for parameters ended after "
+                f"the time for sampling was over: the search for parameters ended after "
                 f"{info['evaluations']} runs, and {reads} of {options.num_reads} reads were taken"
             )
         if isinstance(engine, StateEngine) and search.energies is not None:

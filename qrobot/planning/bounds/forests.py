@@ -19,8 +19,12 @@ from qrobot.problem import Instance
 __all__ = ["forest_bound"]
 
 Floats = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
 
-MAX_STOPS = 1_000
+BETWEEN_LOOKS = 50
+"""Edges of a tree between looks at the clock."""
+
+MAX_STOPS = 2_500
 """Beyond it the spanning trees take longer than the bound is worth."""
 
 
@@ -34,7 +38,7 @@ def forest_bound(
     instance
         The question; of an asymmetric matrix each way counts in its shorter direction.
     upper
-        Distance of a known plan.
+        Distance of a known plan, ``inf`` without one: sets the length of the steps.
     stop
         Asked every round.
     rounds
@@ -46,6 +50,7 @@ def forest_bound(
         Metres; never below `quick_bound`.
     """
     best = quick_bound(instance)
+    upper = min(upper, 2.0 * best)
     d = np.minimum(instance.stop_distances, instance.stop_distances.T)
     n = len(d) - 1
     if n < 2 or n > MAX_STOPS:
@@ -56,7 +61,10 @@ def forest_bound(
     for _ in range(rounds):
         if stop():
             break
-        bound, degrees = _cheapest_forest(d, prices, trips)
+        tree = _spanning_tree(d[1:, 1:] + prices[:, None] + prices[None, :], stop)
+        if tree is None:
+            break
+        bound, degrees = _cheapest_forest(d, prices, trips, *tree)
         if bound > best * (1 + 1e-9):
             best, stale = bound, 0
         elif (stale := stale + 1) == 10:
@@ -71,12 +79,13 @@ def forest_bound(
 
 
 def _cheapest_forest(
-    d: Floats, prices: Floats, trips: npt.NDArray[np.intp]
+    d: Floats, prices: Floats, trips: npt.NDArray[np.intp], ends: Rows, lengths: Floats
 ) -> tuple[float, Floats]:
-    """Return the least priced cost of forest and depot ways, and the stops' degrees."""
+    """Return the least priced cost of forest and depot ways, and the stops' degrees.
+
+    The forest is a part of the spanning tree with the edges `ends` of priced `lengths`.
+    """
     n = len(prices)
-    between = d[1:, 1:] + prices[:, None] + prices[None, :]
-    ends, lengths = _spanning_tree(between)
     order = np.argsort(lengths, kind="stable")
     # Kruskal's greedy choice: the cheapest forest of m edges is the m shortest tree edges.
     forest = np.concatenate([[0.0], np.cumsum(lengths[order])])
@@ -93,8 +102,11 @@ def _cheapest_forest(
     return float(totals.min() - 2 * prices.sum()), degrees
 
 
-def _spanning_tree(weights: Floats) -> tuple[npt.NDArray[np.intp], Floats]:
-    """Return the edges (n - 1, 2) and lengths of a minimum spanning tree (Prim 1957)."""
+def _spanning_tree(weights: Floats, stop: Callable[[], bool]) -> tuple[Rows, Floats] | None:
+    """Return the edges (n - 1, 2) and lengths of a minimum spanning tree (Prim 1957).
+
+    None when stopped: the trees of large instances take long.
+    """
     n = len(weights)
     reach = weights[0].copy()
     via = np.zeros(n, dtype=np.intp)
@@ -103,6 +115,8 @@ def _spanning_tree(weights: Floats) -> tuple[npt.NDArray[np.intp], Floats]:
     ends = np.empty((n - 1, 2), dtype=np.intp)
     lengths = np.empty(n - 1)
     for edge in range(n - 1):
+        if edge % BETWEEN_LOOKS == 0 and stop():
+            return None
         v = int(np.where(outside, reach, np.inf).argmin())
         ends[edge] = via[v], v
         lengths[edge] = reach[v]

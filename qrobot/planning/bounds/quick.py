@@ -1,24 +1,47 @@
-"""What can be said at once: how many trips there must and need be, and a first bound."""
+"""What can be said at once: how many trips there must and need be, and two first bounds."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+import numpy.typing as npt
 
 from qrobot.problem import Instance
 
-__all__ = ["fewest_trips", "is_metric", "most_trips", "quick_bound"]
+__all__ = [
+    "fewest_trips",
+    "most_trips",
+    "quick_bound",
+    "radial_bound",
+    "shortest_ways",
+]
 
-MAX_METRIC_TEST = 300
-"""Stops beyond which nobody looks whether the triangle inequality holds."""
+Floats = npt.NDArray[np.float64]
+
+MAX_SHORTCUTS = 700
+"""Stops beyond which nobody looks for all shorter ways over third places."""
 
 
 def fewest_trips(instance: Instance) -> int:
-    """Return a number of trips that no plan can stay below: the largest robots, filled."""
-    total = int(instance.weights.sum())
+    """Return a number of trips that no plan can stay below."""
     if not instance.orders:
         return 0
-    reach = np.cumsum(instance.vehicle_capacities)
-    return min(int(np.searchsorted(reach, total)) + 1, len(reach))
+    return int(_trips_for(instance, np.argsort(-instance.order_weights, kind="stable"))[-1])
+
+
+def _trips_for(instance: Instance, sequence: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """Return how many trips the first 1, 2, .. orders of a sequence need at least.
+
+    The largest robots, filled to the brim; and orders above half of the largest capacity
+    never share a trip.
+    """
+    weights = instance.order_weights[sequence]
+    capacities = instance.vehicle_capacities
+    filled = np.searchsorted(np.cumsum(capacities), np.cumsum(weights)) + 1
+    alone = np.cumsum(2 * weights > capacities[0])
+    needed: npt.NDArray[np.intp] = np.minimum(np.maximum(filled, alone), len(capacities))
+    return needed
 
 
 def most_trips(instance: Instance) -> int:
@@ -30,34 +53,97 @@ def most_trips(instance: Instance) -> int:
     capacities = instance.vehicle_capacities
     d = instance.stop_distances
     joinable = bool((d[1:, 0, None] + d[None, 0, 1:] >= d[1:, 1:] - 1e-9).all())
-    if not joinable or instance.whole_orders or capacities[0] != capacities[-1]:
+    if not joinable or capacities[0] != capacities[-1]:
         return len(capacities)
     total = int(instance.weights.sum())
     return min(len(capacities), max(1, 2 * total // max(int(capacities[0]), 1) + 1))
 
 
 def quick_bound(instance: Instance) -> float:
-    """Return a bound that costs nothing: every stop is entered, every trip comes home.
+    """Return a bound that costs next to nothing: every stop is entered, every trip comes home.
 
     Valid for any matrix: each stop must be entered from somewhere else and each trip must
-    return to the depot; with a metric, the farthest stop must be fetched.
+    return to the depot. Never below `radial_bound`.
     """
     if not instance.items:
         return 0.0
     d = instance.stop_distances
     apart = d + np.where(np.eye(len(d), dtype=bool), np.inf, 0.0)
     entered = float(apart[:, 1:].min(axis=0).sum()) + fewest_trips(instance) * float(d[1:, 0].min())
-    if is_metric(instance):
-        return max(entered, float((d[0] + d[:, 0]).max()))
-    return entered
+    return max(entered, radial_bound(instance))
 
 
-def is_metric(instance: Instance) -> bool:
-    """Return whether leaving a stop out never makes a way longer (False when unknown)."""
+def radial_bound(instance: Instance) -> float:
+    """Return a bound from the ways out and back: strong where trips are many.
+
+    In the spirit of Haimovich and Rinnooy Kan (1985). Let out(i) and back(i) be the lengths
+    of the shortest ways from the depot to stop i and back, over any places. For an order o
+    (or an item, where items stand alone) let r(o) be the largest out(i) + back(i) of its
+    stops.
+
+    Proof. The trip that collects o passes the stop i with r(o) = out(i) + back(i). Up to i
+    it is a way from the depot to i, after i a way back, so the trip is no shorter than
+    r(o). This needs neither symmetry nor the triangle inequality, only that no distance is
+    negative.
+
+    Let N(x) be a number of trips that the orders with r(o) >= x need at least, however they
+    are shared out: as many of the largest capacities as hold their weight, and one for each
+    that weighs more than half of the largest. At least N(x) trips collect such an order and
+    are no shorter than x. The total distance is the integral over x of the number of trips
+    that are no shorter than x, hence at least the integral of N(x).
+
+    With N(x) >= weight / largest capacity that is at least the sum over the orders of
+    r(o) * weight(o) / largest capacity, the radial bound of the literature.
+    """
+    if not instance.orders:
+        return 0.0
     d = instance.stop_distances
-    if len(d) > MAX_METRIC_TEST:
-        return False
-    least = min(
-        (float((d[:, k, None] + d[None, k, :] - d).min()) for k in range(len(d))), default=0.0
-    )
-    return least >= -1e-9 * float(d.max(initial=1.0))
+    if instance.surely_metric:
+        away = d[0, 1:] + d[1:, 0]
+    else:
+        away = (_from_depot(d) + _from_depot(d.T))[1:]
+    owner = instance.order_of_node[[nodes[0] for nodes in instance.stops]]
+    reach = np.zeros(len(instance.orders))
+    np.maximum.at(reach, owner, away)
+    farthest_first = np.argsort(-reach, kind="stable")
+    steps = -np.diff(reach[farthest_first], append=0.0)
+    return float(steps @ _trips_for(instance, farthest_first))
+
+
+def _from_depot(d: Floats) -> Floats:
+    """Return the lengths of the shortest ways from row 0 over any places (Dijkstra 1959)."""
+    reach: Floats = d[0].copy()
+    open_ = np.ones(len(d), dtype=bool)
+    for _ in range(len(d)):
+        at = int(np.where(open_, reach, np.inf).argmin())
+        open_[at] = False
+        np.minimum(reach, reach[at] + d[at], out=reach)
+    return reach
+
+
+def shortest_ways(instance: Instance, stop: Callable[[], bool]) -> Floats | None:
+    """Return distances that obey the triangle inequality and exceed none of the instance's.
+
+    Parameters
+    ----------
+    instance
+        Aisles and floors have such distances by construction; in tables and rounded floors
+        every way becomes the shortest one over any places (Floyd 1962).
+    stop
+        Asked for every place.
+
+    Returns
+    -------
+    numpy.ndarray or None
+        ``None`` when stopped, or when there are too many stops.
+    """
+    if instance.surely_metric:
+        return instance.stop_distances
+    d = instance.stop_distances.copy()
+    if len(d) > MAX_SHORTCUTS:
+        return None
+    for k in range(len(d)):
+        if stop():
+            return None
+        np.minimum(d, d[:, k, None] + d[None, k, :], out=d)
+    return d

@@ -7,15 +7,18 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.planning.bounds.quick import fewest_trips, is_metric, most_trips, quick_bound
+from qrobot.planning.bounds.quick import fewest_trips, most_trips, quick_bound, shortest_ways
 from qrobot.problem import Instance
 
 __all__ = ["walk_bound"]
 
 Floats = npt.NDArray[np.float64]
 
-MAX_LOAD_STEPS = 250
+MIN_LOAD_STEPS, MAX_LOAD_STEPS = 8, 250
 """Loads are rounded down to at most this many steps; fewer steps, weaker bound."""
+
+MAX_CELLS = 20_000_000
+"""Load steps times pairs of stops: the more stops, the fewer steps."""
 
 
 def walk_bound(
@@ -31,10 +34,10 @@ def walk_bound(
     Parameters
     ----------
     instance
-        The question. Distances must obey the triangle inequality if some weight is zero;
-        otherwise only `quick_bound` is returned.
+        The question. Where some rounded load is zero, the stop is left out, which needs the
+        triangle inequality: then the walks run on `shortest_ways`.
     upper
-        Distance of a known plan.
+        Distance of a known plan, ``inf`` without one: sets the length of the steps.
     stop
         Asked every round.
     rounds
@@ -46,20 +49,24 @@ def walk_bound(
         Metres; never below `quick_bound`.
     """
     best = quick_bound(instance)
+    upper = min(upper, 2.0 * best)
     weights = instance.stop_weights
     d = instance.stop_distances
     if not weights.any():
         return best
     capacity = int(min(instance.vehicle_capacities.max(), weights.sum()))
-    step = -(-capacity // MAX_LOAD_STEPS)
+    step = -(-capacity // load_steps(instance))
     loads = weights // step
     kept = loads > 0
-    if not kept.all() and not is_metric(instance):
+    if capacity // step < min(MIN_LOAD_STEPS, capacity) or np.count_nonzero(kept) < 2:
         return best
+    if not kept.all():
+        shorter = shortest_ways(instance, stop)
+        if shorter is None:
+            return best
+        d = shorter
     rows = np.concatenate([[0], np.flatnonzero(kept) + 1])
     d, loads = d[np.ix_(rows, rows)], loads[kept]
-    if len(loads) < 2 or len(loads) > 250:
-        return best
     fewest, most = fewest_trips(instance), most_trips(instance)
     # Start where every walk out to its farthest stop pays for itself.
     prices = (d[0, 1:] + d[1:, 0]) * loads / max(capacity // step, 1)
@@ -67,7 +74,10 @@ def walk_bound(
     for _ in range(rounds):
         if stop():
             break
-        cost, visits = _cheapest_walk(d, loads, capacity // step, prices)
+        found = _cheapest_walk(d, loads, capacity // step, prices, stop)
+        if found is None:
+            break
+        cost, visits = found
         trips = most if cost < 0 else fewest
         bound = float(prices.sum()) + trips * cost
         if bound > best * (1 + 1e-9):
@@ -83,10 +93,24 @@ def walk_bound(
     return best * (1 - 1e-9)
 
 
+def load_steps(instance: Instance) -> int:
+    """Return into how many steps the largest load is cut."""
+    capacity = int(min(instance.vehicle_capacities.max(), instance.weights.sum()))
+    fine = MAX_CELLS // max(len(instance.stops), 1) ** 2
+    return max(1, min(capacity, MAX_LOAD_STEPS, fine))
+
+
 def _cheapest_walk(
-    d: Floats, loads: npt.NDArray[np.int64], capacity: int, prices: Floats
-) -> tuple[float, Floats]:
-    """Return the least reduced cost of a walk, and how often it visits each stop."""
+    d: Floats,
+    loads: npt.NDArray[np.int64],
+    capacity: int,
+    prices: Floats,
+    stop: Callable[[], bool],
+) -> tuple[float, Floats] | None:
+    """Return the least reduced cost of a walk, and how often it visits each stop.
+
+    None when stopped: the last rounds of large instances take long.
+    """
     n = len(loads)
     cost = d[1:, 1:].T - prices[:, None]  # (to, from)
     np.fill_diagonal(cost, np.inf)
@@ -96,6 +120,8 @@ def _cheapest_walk(
     first_from = np.full((capacity + 1, n), -1, dtype=np.intp)
     second_from = np.full((capacity + 1, n), -1, dtype=np.intp)
     for carried in range(int(loads.min()), capacity + 1):
+        if stop():
+            return None
         to = np.flatnonzero(loads <= carried)
         before = carried - loads[to]
         reach = (

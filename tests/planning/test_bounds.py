@@ -1,0 +1,168 @@
+"""Lower bounds: never above the optimum, on any kind of instance, and useful at any size."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracles import least_distance, paper_shaped
+from strategies import instances
+
+import qrobot
+from qrobot.backends import Stop
+from qrobot.planning import bounding
+from qrobot.planning.bounding import begin_bound, time_to_search
+from qrobot.planning.bounds import (
+    fewest_trips,
+    forest_bound,
+    most_trips,
+    quick_bound,
+    radial_bound,
+    walk_bound,
+)
+from qrobot.planning.bounds.quick import shortest_ways
+from qrobot.planning.run import Run
+from qrobot.problem import AisleWarehouse, DistanceTable, Instance, Item, Node, Order, Robot, Slot
+
+
+def never() -> bool:
+    return False
+
+
+def wave(orders: int, lines: int, seed: int = 0, *, room: int = 40) -> Instance:
+    """Whole orders of several lines in a large warehouse."""
+    rng = np.random.default_rng(seed)
+    items, lots = [], []
+    for o in range(orders):
+        names = [f"o{o}-{k}" for k in range(lines)]
+        items += [
+            Item(name, Fraction(int(rng.integers(1, 6))), Slot(*rng.integers(0, 20, 2).tolist()))
+            for name in names
+        ]
+        lots.append(Order(f"o{o}", tuple(names)))
+    total = sum(int(item.weight) for item in items)
+    fleet = tuple(Robot(f"R{k}", Fraction(room)) for k in range(2 * -(-total // room)))
+    layout = AisleWarehouse(aisles=20, slots=20)
+    return Instance(layout, tuple(items), tuple(lots), fleet)
+
+
+def radial_of_the_literature(instance: Instance) -> float:
+    """Sum of 2 x farthest item x weight / largest capacity, from the items themselves."""
+    d = instance.distances
+    away = {item.id: d[0, k + 1] + d[k + 1, 0] for k, item in enumerate(instance.items)}
+    weight = {item.id: item.weight for item in instance.items}
+    room = float(max(robot.capacity for robot in instance.robots))
+    return sum(
+        max(away[i] for i in order.items) * float(sum(weight[i] for i in order.items)) / room
+        for order in instance.orders
+    )
+
+
+@settings(deadline=None, max_examples=100)
+@given(instances(min_items=1, max_items=6, multi_trip=True), st.booleans())
+def test_no_bound_exceeds_the_optimum(instance: Instance, known: bool) -> None:
+    """Whole orders, zero weights, unlike robots, asymmetric and non-metric tables."""
+    expected = least_distance(instance)
+    if expected is None:
+        return
+    least, trips = expected
+    upper = least if known else math.inf
+    limit = least * (1 + 1e-9) + 1e-9
+    assert fewest_trips(instance) <= trips
+    assert radial_bound(instance) <= quick_bound(instance) <= limit
+    assert walk_bound(instance, upper, never, 40) <= limit
+    assert forest_bound(instance, upper, never, 60) <= limit
+
+
+@settings(deadline=None, max_examples=40)
+@given(instances(min_items=1, max_items=5, whole_orders=True))
+def test_some_shortest_plan_has_no_more_than_the_most_trips(instance: Instance) -> None:
+    expected = least_distance(instance)
+    if expected is not None:
+        assert expected[1] <= most_trips(instance)
+
+
+@settings(deadline=None, max_examples=40)
+@given(instances(min_items=1, max_items=7, feasible=True))
+def test_shortest_ways_obey_the_triangle_and_exceed_nothing(instance: Instance) -> None:
+    s = shortest_ways(instance, never)
+    assert s is not None
+    assert (s <= instance.stop_distances + 1e-9).all()
+    for k in range(len(s)):
+        assert (s <= s[:, k, None] + s[None, k, :] + 1e-9).all()
+    away = (s[0] + s[:, 0]).max()
+    assert radial_bound(instance) >= away * (1 - 1e-9)
+
+
+@pytest.mark.parametrize(("orders", "lines"), [(40, 1), (40, 4), (300, 1), (150, 3), (900, 1)])
+def test_large_waves_are_bounded_by_their_ways_out_and_back(orders: int, lines: int) -> None:
+    instance = wave(orders, lines)
+    bound = quick_bound(instance)
+    assert bound >= radial_of_the_literature(instance) * (1 - 1e-12)
+    routes = instance.first_routes()
+    assert routes is not None
+    assert bound <= instance.length(routes)
+
+
+def test_unlike_robots_are_filled_the_largest_first() -> None:
+    """Radius 10 for each of four items of 2; robots hold 4, 2 and 2: three trips, not two."""
+    instance = wave(4, 1)
+    items = tuple(replace(i, weight=Fraction(2), place=Slot(9, 0)) for i in instance.items)
+    robots = tuple(Robot(f"R{k}", Fraction(c)) for k, c in enumerate((4, 2, 2)))
+    instance = replace(instance, items=items, robots=robots)
+    assert radial_bound(instance) == 3 * 2 * instance.distances[0, 1]
+    assert radial_of_the_literature(instance) == 2 * 2 * instance.distances[0, 1]
+
+
+def test_loaded_walks_take_more_than_250_stops() -> None:
+    """A few items a trip: the walks say more than the ways out and back do."""
+    instance = paper_shaped(260, 60, 1)
+    assert walk_bound(instance, math.inf, never, 60) > 1.02 * quick_bound(instance)
+
+
+def test_loaded_walks_leave_light_stops_out_of_tables_too() -> None:
+    """Stops without weight in a table that breaks the triangle inequality."""
+    near = paper_shaped(12, 4, 3)
+    d = near.distances.copy()
+    d[3, 7] += 40.0
+    light = tuple(replace(i, weight=Fraction(0)) if k < 3 else i for k, i in enumerate(near.items))
+    items = tuple(replace(i, place=Node(k + 1)) for k, i in enumerate(light))
+    instance = replace(near, warehouse=DistanceTable(tuple(map(tuple, d.tolist()))), items=items)
+    expected = qrobot.solve(instance)
+    assert expected.is_optimal
+    assert quick_bound(instance) < walk_bound(instance, expected.cost, never) <= expected.cost
+
+
+@pytest.mark.parametrize("backend", ["auto", "batching", "pyvrp"])
+def test_the_bound_of_a_search_does_not_depend_on_the_time_that_is_left(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Even when the search ate everything: as if the machine were busy."""
+    if backend == "pyvrp":
+        pytest.importorskip("pyvrp")
+    instance = paper_shaped(40, 5, 1)
+    full = max(forest_bound(instance, math.inf, never), walk_bound(instance, math.inf, never))
+    monkeypatch.setattr(bounding, "EARLY_SHARE", 1.0)
+    run = Run(instance, Stop(3600.0), 0)
+    begin_bound(run)
+    assert run.bound > 0.9 * full
+    run.stop.request()
+    before = run.bound
+    run.offer(instance.first_routes() or [])
+    bounding.bound_from_below(run)
+    assert run.bound == before
+
+
+def test_time_is_kept_back_for_the_bound_and_for_the_check() -> None:
+    instance = wave(250, 1)
+    run = Run(instance, Stop(3600.0), 0)
+    search = time_to_search(run)
+    assert run.routes is not None
+    assert run.check_seconds > 0
+    assert run.stop.remaining - search.remaining >= run.check_seconds
+    assert time_to_search(Run(instance, Stop(), 0)).remaining == math.inf
