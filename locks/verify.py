@@ -1,7 +1,8 @@
 """Check the locks.
 
 Without arguments: offline and at once. No address in any lock, every pin hashed, one version of a
-package in all locks, and every requirement of pyproject.toml met by its lock.
+package in all locks, and every requirement met by its lock: those of pyproject.toml, and those of
+the packages that are installed here.
 
 With ``--install UV``: also install every profile for every platform into a scratch folder, as a
 robot of that kind would (uv cross-installs; nothing is run), and print the sizes as a table.
@@ -17,6 +18,7 @@ import sys
 import tempfile
 import tomllib
 from collections.abc import Iterator
+from importlib import metadata
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -93,6 +95,30 @@ def check_text(path: Path) -> Iterator[str]:
             yield f"{path.name}:{number}: {match['requirement']} has no hash"
 
 
+def needed_by(pin: Requirement, env: dict[str, str]) -> Iterator[Requirement]:
+    """What a pinned package itself asks for; nothing when this very version is not installed."""
+    try:
+        found = metadata.distribution(pin.name)
+    except metadata.PackageNotFoundError:
+        return
+    if found.version == version(pin):
+        for requirement in map(Requirement, found.requires or ()):
+            extras = ["", *pin.extras]
+            if requirement.marker is None or any(
+                requirement.marker.evaluate(env | {"extra": extra}) for extra in extras
+            ):
+                yield requirement
+
+
+def check_needs(stem: str, pins: Pins, env: dict[str, str]) -> Iterator[str]:
+    """A package that was taken out of a lock by hand, though another needs it."""
+    for pin in pins.values():
+        for requirement in needed_by(pin, env):
+            found = pins.get(canonicalize_name(requirement.name))
+            if found is None or not requirement.specifier.contains(version(found), True):
+                yield f'{stem}.txt lacks "{requirement}", which {pin.name} needs: run `make lock`'
+
+
 def check() -> list[str]:
     """Every fault of the locks as one line each."""
     paths = sorted(LOCKS.glob("*.txt"))
@@ -104,6 +130,7 @@ def check() -> list[str]:
             locks = {path.stem: read_lock(path, env) for path in paths}
             first: dict[str, tuple[str, str]] = {}
             for stem, pins in locks.items():
+                faults += check_needs(stem, pins, env)
                 for name, pin in pins.items():
                     where, known = first.setdefault(name, (stem, version(pin)))
                     if known != version(pin):

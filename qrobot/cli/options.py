@@ -9,6 +9,7 @@ from typing import Any, NoReturn, TypeVar
 
 import click
 
+from qrobot._json import json_text
 from qrobot.errors import InputError
 
 __all__ = [
@@ -178,7 +179,7 @@ def settings_of(flags: dict[str, Any], settings: tuple[tuple[str, Any], ...]) ->
 
 
 def _shown(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+    return value if isinstance(value, str) else json_text(value)
 
 
 def seconds(value: float) -> str:
