@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, Robots, ignore_columns, rounding
+from qrobot.cli.options import FILE, Robots, ignore_columns, rounding, written
 from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
@@ -32,11 +32,7 @@ __all__ = ["command"]
     help="safe: the lowest energy is the best plan; measured: what annealers sample best, "
     "without that proof. Not for an LP.",
 )
-@click.option(
-    "--circuit",
-    type=FILE,
-    help="Also write the circuit that never leaves the plans, as OpenQASM 3.",
-)
+@written("--circuit", help="Also write the circuit that never leaves the plans, as OpenQASM 3.")
 @click.option(
     "--mixer",
     default="swap",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from typing import Any, NoReturn, TypeVar
 
@@ -77,12 +78,10 @@ class Robots(click.ParamType[int | str]):
         text = str(value).strip()
         if text.lower() == "free":
             return "free"
-        sign = text[:1] if text[:1] in "+-" else ""
-        digits = text[len(sign) :]
-        if digits.isascii() and digits.isdigit() and len(digits) < 10:
+        if re.fullmatch(r"[-+]?[0-9]{1,12}", text):
             return int(text)
         raise InputError(
-            f"{value!r} is not a number of robots",
+            f"{value!r:.40} is not a number of robots",
             field="--robots",
             mend="give 1 or more, or 'free'",
         )

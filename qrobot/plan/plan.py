@@ -18,9 +18,9 @@ __all__ = ["PLAN_SCHEMA", "TABLE_HEADS", "Plan", "Trip"]
 
 PLAN_SCHEMA = "qrobot.plan/1"
 
-_T = TypeVar("_T")
-
 TABLE_HEADS = ("trip", "robot", "load", "distance", "orders", "stops in sequence")
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -265,9 +265,9 @@ def _text(value: Any) -> str:
 
 
 def _list(value: Any) -> list[Any]:
-    if not isinstance(value, list | tuple):
+    if not isinstance(value, list):
         raise TypeError(f"{value!r:.40} is not a list")
-    return list(value)
+    return value
 
 
 def _texts(value: Any) -> tuple[str, ...]:

@@ -289,7 +289,7 @@ class Result:
             "timing": self.timing.to_dict(),
             "notes": list(self.notes),
         }
-        return {name: _plain(value) for name, value in data.items()}
+        return data
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the result as JSON; never leaves a half-written file.
@@ -300,15 +300,6 @@ class Result:
             When the file cannot be written.
         """
         write_text_atomic(path, json_text(self.to_dict(), indent=1, ensure_ascii=False) + "\n")
-
-
-def _plain(value: Any) -> Any:
-    """Return plain data without what JSON has no word for: NaN and infinity become null."""
-    if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _optimal(share: float | None) -> str:

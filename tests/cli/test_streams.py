@@ -300,6 +300,7 @@ def test_a_hangup_that_nohup_ignores_stays_ignored(handling: object) -> None:
     [
         "bench questions --json one.json --json two.json",
         "jobs fetch some --plan one.json --plan two.json",
+        f"export {QUESTION} --circuit one.qasm --circuit two.qasm",
         "health --list --html one.html --html two.html",
         "health merge a.json --html one.html --html two.html",
         "reproduce figure4 -o one -o two",

@@ -15,21 +15,21 @@ from qrobot._notebook import MOST_ROWS, html_table
 from qrobot.models import build_model
 from qrobot.problem import DistanceTable
 
-EVIL = '<script>alert("1")</script>&<b>\n\ud800'
+EVIL = '<script>alert("1")</script>&<b>'
 
 
-def evil(ending: str = EVIL) -> qrobot.Instance:
-    """An instance whose names are markup, of many lines and no text at all."""
+def evil() -> qrobot.Instance:
+    """An instance whose names are markup; its own name is of many lines, and not even text."""
     one = paper_shaped(4, 2, 0)
-    names = {item.id: f"{item.id}{ending}" for item in one.items}
+    names = {item.id: f"{item.id}{EVIL}" for item in one.items}
     return replace(
         one,
-        name=ending * 20,
+        name=f"{EVIL}\n\ud800" * 20,
         items=tuple(replace(item, id=names[item.id]) for item in one.items),
         orders=tuple(
             replace(order, items=tuple(names[i] for i in order.items)) for order in one.orders
         ),
-        robots=tuple(replace(robot, id=f"{robot.id}{ending}") for robot in one.robots),
+        robots=tuple(replace(robot, id=f"{robot.id}{EVIL}") for robot in one.robots),
     )
 
 
@@ -97,7 +97,7 @@ def test_tables_are_markup_of_ours_only(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_the_picture_is_part_of_it() -> None:
     pytest.importorskip("matplotlib")
-    text = qrobot.solve(evil(EVIL[:-1]), backend="exact")._repr_html_()
+    text = qrobot.solve(replace(evil(), name=EVIL), backend="exact")._repr_html_()
     picture = text[text.index("<svg") : text.index("</svg>") + 6]
     ElementTree.fromstring(picture)
     assert "script" not in tags_of(text).seen

@@ -15,6 +15,7 @@ from oracles import paper_shaped
 from strategies import instances
 
 import qrobot
+from qrobot._json import json_text
 from qrobot.plan import Plan
 from qrobot.planning.result import Result, SamplerReport
 
@@ -44,7 +45,7 @@ def test_it_is_a_schema_of_this_version() -> None:
 )
 def test_whatever_solve_gives_is_valid_and_described(backend: str, more: dict[str, Any]) -> None:
     result = qrobot.solve(paper_shaped(5, 2, 1), backend=backend, max_work=20, **more)
-    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
+    data = json.loads(json_text(result.to_dict()))
     VALIDATOR.validate(data)
     parts = SCHEMA["$defs"]
     assert set(data) == fields_of(SCHEMA)
@@ -73,7 +74,7 @@ def test_what_has_no_word_in_json_is_null() -> None:
     report = SamplerReport("x", "compact", 1, 0, 0.0, None, None, float("nan"))
     report.details = {"beta_range": [float("inf"), 1.0], "history": ({"a": -float("inf")},)}
     result = Result(instance, good.plan, 0.0, False, "x", sampler=report)
-    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
+    data = json.loads(json_text(result.to_dict()))
     assert data["result"]["gap"] is None
     assert data["result"]["sampler"]["energy"] is None
     assert data["result"]["sampler"]["details"] == {

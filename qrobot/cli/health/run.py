@@ -9,7 +9,7 @@ import click
 
 from qrobot.cli.health.limit import Limit
 from qrobot.cli.options import FILE, written
-from qrobot.cli.streams import say
+from qrobot.cli.streams import say, say_json
 
 if TYPE_CHECKING:
     from qrobot.errors import InputError
@@ -102,8 +102,7 @@ def run(
     from qrobot.errors import InputError
     from qrobot.health import Limits, choose, make_report, read_report, system_findings
     from qrobot.health.record import Clockwork
-    from qrobot.health.reports import as_json as json_text
-    from qrobot.health.reports import compare, save
+    from qrobot.health.reports import compare, document, save
     from qrobot.health.schema import schema_text
     from qrobot.health.signals import exit_on_signals
     from qrobot.report.outputs import check_outputs
@@ -154,7 +153,10 @@ def run(
         html_path=html_path,
         prometheus=prometheus,
     )
-    say(json_text(report, drift) if as_json else show_report(report, drift))
+    if as_json:
+        say_json(document(report, drift))
+    else:
+        say(show_report(report, drift))
     for trouble in troubles:
         say(f"qrobot: {trouble}", err=True)
     if troubles:

@@ -6,7 +6,7 @@ from qrobot.health.reports.fleet_html import fleet_html
 from qrobot.health.reports.html import html
 from qrobot.health.reports.junit import junit
 from qrobot.health.reports.prometheus import metrics, write_prometheus
-from qrobot.health.reports.save import as_json, save
+from qrobot.health.reports.save import as_json, document, save
 from qrobot.health.reports.table import (
     Table,
     attention,
@@ -26,6 +26,7 @@ __all__ = [
     "attention",
     "checks_table",
     "compare",
+    "document",
     "fleet",
     "fleet_html",
     "html",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from qrobot._files import StrPath, write_text_atomic
 from qrobot._json import json_text
@@ -16,12 +17,17 @@ from qrobot.health.reports.prometheus import write_prometheus
 __all__ = ["as_json", "save"]
 
 
-def as_json(report: Report, comparison: Comparison | None = None) -> str:
-    """Return the document, with the comparison as a field of its own where there is one."""
+def document(report: Report, comparison: Comparison | None = None) -> dict[str, Any]:
+    """Return plain data, with the comparison as a field of its own where there is one."""
     data = report.to_dict()
     if comparison is not None:
         data["comparison"] = comparison.to_dict()
-    return json_text(data, indent=1, ensure_ascii=False)
+    return data
+
+
+def as_json(report: Report, comparison: Comparison | None = None) -> str:
+    """Return the document as text."""
+    return json_text(document(report, comparison), indent=1, ensure_ascii=False)
 
 
 def save(
