@@ -9,6 +9,8 @@ A page may say something about the block that follows, in a comment that is not 
     The text is what the command prints, apart from times.
 ``<!-- test: output of the block above, apart from numbers -->``
     The same, of the last block that ran; here the numbers depend on the machine.
+``<!-- test: held by tests/FILE.py -->``
+    A test of its own holds what the text says.
 ``<!-- test: drawing -->``
     The text is a picture or a list for people.
 """
@@ -48,13 +50,18 @@ class Mark:
     needs: tuple[str, ...] = ()
     output_of: str = ""
     apart_from_numbers: bool = False
-    drawing: bool = False
+    explained: bool = False
+    """A drawing, or what another test holds."""
 
     @classmethod
     def read(cls, words: str) -> Mark:
         """Return what these words say; unknown ones are a fault of the page."""
         if words == "drawing":
-            return cls(drawing=True)
+            return cls(explained=True)
+        if (found := re.fullmatch(r"held by (tests/\S+\.py)", words)) and (
+            ROOT / found[1]
+        ).exists():
+            return cls(explained=True)
         if found := re.fullmatch(
             r"output of (?:`(.+)`|the block above)(, apart from numbers)?", words
         ):

@@ -33,7 +33,7 @@ __all__ = [
     "extras_of_the_package",
 ]
 
-RUNNABLE = set(". [ cat cd cp echo export ls make mkdir python qrobot".split())
+RUNNABLE = {".", "cat", "cd", "cp", "echo", "export", "ls", "make", "mkdir", "python", "qrobot"}
 """What a block may call to be run: nothing that reaches out of its folder."""
 
 KEYWORDS = {"do", "done", "else", "fi", "if", "then", "while", "!", "{", "}"}

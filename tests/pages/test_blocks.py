@@ -115,7 +115,7 @@ def check_cron(block: Block) -> None:
 
 
 def check_text(block: Block) -> None:
-    assert block.mark.drawing or block.mark.output_of, (
+    assert block.mark.explained or block.mark.output_of, (
         f"{block}: say in a comment before it whether it is the output of a command or a drawing"
     )
 

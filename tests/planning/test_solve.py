@@ -6,7 +6,6 @@ import itertools
 import math
 import subprocess
 import sys
-import threading
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from oracles import least_distance, paper_shaped, subset_programme
+from processes import HANG
 from strategies import instances
 
 import qrobot
@@ -175,8 +175,12 @@ def test_the_deadline_is_kept_and_work_is_told() -> None:
 
 def test_a_request_returns_the_best_plan_so_far() -> None:
     stop = Stop()
-    threading.Timer(0.7, stop.request).start()
-    result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60, stop=stop)
+
+    def heard(progress: Progress) -> None:
+        if progress.cost is not None:
+            stop.request()
+
+    result = qrobot.solve(paper_shaped(40, 4, 1), deadline=HANG, stop=stop, on_progress=heard)
     assert result.ended == "interrupted"
     assert qrobot.check(result.plan, result.instance).ok
 
@@ -191,7 +195,7 @@ from oracles import paper_shaped
 import qrobot
 press = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT))
 begun = lambda _: None if press.is_alive() or press.finished.is_set() else press.start()
-result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60, on_progress=begun)
+result = qrobot.solve(paper_shaped(40, 4, 1), deadline=3600, on_progress=begun)
 assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 print(result.ended, qrobot.check(result.plan, result.instance).ok)
 """
