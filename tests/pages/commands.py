@@ -127,15 +127,17 @@ def _check_file(word: str) -> None:
 def check_qrobot(words: list[str], *, whole: bool = True, more: Iterable[str] = ()) -> None:
     """Let click read the words without calling anything; files need not be there.
 
-    What is not `whole` may leave out arguments, as a sentence does. `more` are backends that the
-    page itself adds.
+    What is not `whole` may name a command without any argument, as a sentence does. `more` are
+    backends that the page itself adds.
     """
     seen: list[click.Context] = []
     with mock.patch.object(click.Command, "invoke", lambda _, context: seen.append(context)):
         try:
             cli.main(list(words), prog_name="qrobot", standalone_mode=False)
         except (click.MissingParameter, click.exceptions.NoArgsIsHelpError) as error:
-            assert not whole, type(error).__name__  # noqa: PT017
+            path = error.ctx.command_path.split()[1:] if error.ctx else []
+            bare = [word for word in words[len(path) :][:1] if not word.startswith("-")] == []
+            assert bare and not whole, error.format_message()  # noqa: PT017, PT018
         except (click.ClickException, QRobotError) as error:
             said = error.format_message() if isinstance(error, click.ClickException) else error
             raise AssertionError(f"qrobot {shlex.join(words)}: {said}") from None

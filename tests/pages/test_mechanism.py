@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pages import test_blocks
 from pages.blocks import blocks_of, prose_of
-from pages.commands import check_command, check_syntax, commands_of
+from pages.commands import check_command, check_qrobot, check_syntax, commands_of
 from pages.reader import Reader, masked
 
 
@@ -92,6 +92,13 @@ def test_a_wrong_command_fails_without_being_run(command: str, told: str) -> Non
     with pytest.raises(AssertionError) as caught:
         check_command(words)
     assert told in str(caught.value)
+
+
+def test_a_sentence_may_name_a_command_but_not_half_of_its_arguments() -> None:
+    check_qrobot(["export"], whole=False)
+    check_qrobot(["solve", "--backend", "neal"], whole=False)
+    with pytest.raises(AssertionError, match="OUTPUT"):
+        check_qrobot(["export", "model.lp"], whole=False)
 
 
 @pytest.mark.parametrize("script", ["for x in 1 2; do echo $x", "echo 'open", "if true; then"])
