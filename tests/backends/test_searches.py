@@ -145,21 +145,15 @@ def test_improved_tours_keep_their_stops_and_are_local_optima(
 
 
 class TestExactConformance(PlannerConformance):
-    obeys_within = 5.0  # tests share their cores with each other
-
     def make(self) -> Planner:
         return search("exact")
 
 
 class TestBatchingConformance(PlannerConformance):
-    obeys_within = 5.0  # tests share their cores with each other
-
     def make(self) -> Planner:
         return search("batching")
 
 
 class TestPyVRPConformance(PlannerConformance):
-    obeys_within = 5.0  # tests share their cores with each other
-
     def make(self) -> Planner:
         return search("pyvrp")

@@ -6,6 +6,7 @@ import itertools
 import math
 import subprocess
 import sys
+import threading
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -18,6 +19,7 @@ from strategies import instances
 
 import qrobot
 from qrobot.backends import Stop
+from qrobot.backends.testing.planners import held_up
 from qrobot.planning.bounds import forest_bound, quick_bound, walk_bound
 from qrobot.planning.run import Progress
 from qrobot.problem import DistanceTable, Instance, Item, Node, OpenFloor, Order, Point, Robot
@@ -163,9 +165,12 @@ def test_one_seed_and_one_work_limit_give_one_plan() -> None:
 def test_the_deadline_is_kept_and_work_is_told() -> None:
     instance = paper_shaped(40, 4, 1)
     heard: list[Progress] = []
+    thread = threading.get_native_id()
+    before = held_up(thread)
     result = qrobot.solve(instance, deadline=1.0, on_progress=heard.append)
     assert result.ended == "deadline"
-    assert result.timing.total < 10.0  # a machine under load; the benchmark has the figure
+    # What a busy machine held this thread up does not count; the benchmark has the figure.
+    assert result.timing.total - (held_up(thread) - before) < 10.0
     assert sum(result.work.values()) > 0
     assert heard
     costs = [p.cost for p in heard if p.cost is not None]
@@ -330,7 +335,7 @@ def test_a_later_step_that_fails_does_not_cost_the_plan(monkeypatch: pytest.Monk
         raise MemoryError("boom")
 
     monkeypatch.setattr(ExactPlanner, "search", crash)
-    result = qrobot.solve(paper_shaped(16, 4, 3), deadline=1.5)
+    result = qrobot.solve(paper_shaped(16, 4, 3), max_work=50)
     assert qrobot.check(result.plan, result.instance).ok
     assert any("MemoryError: boom" in note for note in result.notes)
 
