@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import ast
 import importlib
+import importlib.metadata
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 import qrobot
 from qrobot import errors
@@ -135,3 +139,19 @@ def test_the_tree_of_errors_is_as_documented() -> None:
 def test_no_registry_and_no_secret_in_locks() -> None:
     for path in (ROOT / "locks").glob("*.txt"):
         assert "://" not in path.read_text(), path
+
+
+@pytest.mark.parametrize("lock", sorted((ROOT / "locks").glob("*.txt")), ids=lambda path: path.stem)
+def test_a_lock_holds_what_its_packages_require(lock: Path) -> None:
+    """With hashes required, pip refuses a package whose requirement is not in the file."""
+    locked = {
+        canonicalize_name(n) for n in re.findall(r"^([\w.-]+)==", lock.read_text(), re.MULTILINE)
+    }
+    for name in locked:
+        try:
+            requirements = importlib.metadata.requires(name) or []
+        except importlib.metadata.PackageNotFoundError:
+            continue  # another profile's, so its metadata is not at hand
+        for requirement in map(Requirement, requirements):
+            if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
+                assert canonicalize_name(requirement.name) in locked, f"{name} needs {requirement}"

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import HANG
 
 sys.path.insert(0, str(Path(__file__).parent))
 from collector_house import ROOT, House, built_by, digest, pin, simple
@@ -68,7 +69,7 @@ def test_a_killed_run_leaves_whole_files_and_the_next_one_goes_on(
     paths = simple(house, *names, "nine")
     address, stuck = slow
     process = house.start(PIP_NO_INDEX="1", PIP_FIND_LINKS=address)
-    assert stuck.wait(120)
+    assert stuck.wait(HANG)
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
     assert house.files == {house.own.name, *(path.name for path in paths[:8])}

@@ -8,11 +8,11 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import psutil
 import pytest
+from processes import await_text, gone, until
 
 from qrobot.cli import main
 
@@ -38,16 +38,6 @@ def code_of(*words: str | Path) -> int:
     return int(done.value.code or 0)
 
 
-def wait_for(stream: object, text: str) -> None:
-    limit = time.monotonic() + 60
-    while time.monotonic() < limit:
-        line = stream.readline()  # type: ignore[attr-defined]
-        if text in line:
-            return
-        assert line, f"the command ended before it said {text!r}"
-    raise AssertionError(f"no {text!r} within a minute")
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupted_bench_keeps_its_rows(number: signal.Signals, tmp_path: Path) -> None:
     folder = tmp_path / "questions"
@@ -55,10 +45,10 @@ def test_an_interrupted_bench_keeps_its_rows(number: signal.Signals, tmp_path: P
     for name in ("paper-4-items.json", "small-warehouse.json"):
         (folder / name).write_text((EXAMPLES / name).read_text())
     out, table = tmp_path / "out.json", tmp_path / "out.csv"
-    process = start("bench", folder, "-t", "120", "--json", out, "--csv", table)
-    wait_for(process.stderr, "paper-4-items")
+    process = start("bench", folder, "-t", "3600", "--json", out, "--csv", table)
+    await_text(process.stderr, "paper-4-items")
     process.send_signal(number)
-    _, told = process.communicate(timeout=60)
+    _, told = process.communicate()
     assert process.returncode == 130
     assert "1 of 2 runs are kept" in told
     assert "Traceback" not in told
@@ -73,27 +63,24 @@ def test_a_killed_bench_leaves_nobody_behind(tmp_path: Path) -> None:
     folder.mkdir()
     name = "small-warehouse.json"
     (folder / name).write_text((EXAMPLES / name).read_text())
-    process = start("bench", folder, "-t", "120")
+    process = start("bench", folder, "-t", "3600")
     bench = psutil.Process(process.pid)
-    deadline = time.monotonic() + 60
-    while not (workers := bench.children(recursive=True)):
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
+    until(lambda: bench.children(recursive=True), "bench starts nobody")
+    workers = bench.children(recursive=True)
     process.kill()
-    process.communicate(timeout=60)
-    _, alive = psutil.wait_procs(workers, timeout=60)
-    assert not alive
+    process.communicate()
+    assert all(gone(worker.pid) for worker in workers)
 
 
 def test_the_second_interrupt_aborts(tmp_path: Path) -> None:
     plan = tmp_path / "plan.json"
-    process = start("solve", EXAMPLES / "small-warehouse.json", "-t", "120", "-o", plan)
-    wait_for(process.stderr, "distance")
+    process = start("solve", EXAMPLES / "small-warehouse.json", "-t", "3600", "-o", plan)
+    await_text(process.stderr, "distance")
     process.send_signal(signal.SIGSTOP)  # both arrive before it can answer the first
     process.send_signal(signal.SIGINT)
     process.send_signal(signal.SIGTERM)
     process.send_signal(signal.SIGCONT)
-    process.communicate(timeout=60)
+    process.communicate()
     # The first ends the search; whether the second still meets it is a matter of luck.
     assert process.returncode in {0, 130, -signal.SIGTERM}
     assert not plan.exists() or json.loads(plan.read_text())["schema"] == "qrobot.plan/1"
@@ -178,17 +165,19 @@ def test_output_to_a_pipe(tmp_path: Path) -> None:
     reader = threading.Thread(target=lambda: found.append(pipe.read_text()), daemon=True)
     reader.start()
     assert code_of("solve", EXAMPLES / "paper-4-items.json", "-q", "-o", pipe) == 0
-    reader.join(timeout=30)
+    reader.join()
     assert json.loads(found[0])["schema"] == "qrobot.plan/1"
 
 
 def test_progress_is_plain_without_a_terminal_and_absent_when_quiet() -> None:
-    words = ("solve", EXAMPLES / "small-warehouse.json", "-t", "2.5", "-b", "batching")
-    _, told = start(*words).communicate(timeout=120)
-    assert "batching: distance" in told
+    words = ("solve", EXAMPLES / "small-warehouse.json", "-b", "batching")
+    process = start(*words, "-t", "3600")
+    told = await_text(process.stderr, "batching: distance")
+    process.send_signal(signal.SIGINT)
+    told += process.communicate()[1]
     assert "\r" not in told
     assert "\x1b" not in told
-    _, told = start(*words, "--quiet").communicate(timeout=120)
+    _, told = start(*words, "-t", "2.5", "--quiet").communicate()
     assert told == ""
 
 

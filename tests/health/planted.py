@@ -6,7 +6,6 @@ import textwrap
 from collections.abc import Callable
 from pathlib import Path
 
-import psutil
 import pytest
 
 from qrobot.health import Check
@@ -64,17 +63,6 @@ def planter(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Plant:
         )
 
     return make
-
-
-def gone(pid: int) -> bool:
-    """Wait for the end of a process that is not ours."""
-    try:
-        left = psutil.Process(pid)
-        if left.status() != psutil.STATUS_ZOMBIE:  # where nobody collects the dead
-            left.wait(timeout=30)
-    except psutil.NoSuchProcess:
-        pass
-    return True
 
 
 def left_behind(folder: Path) -> list[Path]:

@@ -6,12 +6,13 @@ import os
 import tempfile
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from health.planted import CREDENTIALS, Plant, planter
 from remote.homeless import homeless
 
-from qrobot.health import all_checks, run
+from qrobot.health import Limits, all_checks, run
 
 
 @pytest.fixture
@@ -40,21 +41,30 @@ def test_a_wrong_answer_fails(plant: Plant, wrong: str, told: str) -> None:
 
 
 def test_watching_the_memory_does_not_take_the_processor(
-    plant: Plant, monkeypatch: pytest.MonkeyPatch
+    plant: Plant, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    looks = []
+    gate, clock, looks = tmp_path / "gate", [0.0], []
+
+    def sleep(seconds: float) -> None:
+        clock[0] += seconds
+        time.sleep(0.001)
+        if clock[0] > 2.0:
+            gate.touch()
 
     def slow(_: int) -> float:  # as /proc is on an emulated machine
-        begun = time.monotonic()
-        time.sleep(0.05)
-        looks.append(time.monotonic() - begun)
+        clock[0] += 0.05
+        looks.append(0.05)
         return 1.0
 
+    monkeypatch.setattr(
+        "qrobot.health.process.time", SimpleNamespace(monotonic=lambda: clock[0], sleep=sleep)
+    )
     monkeypatch.setattr("qrobot.health.process.resident", slow)
-    begun = time.monotonic()
-    assert run(plant("long", "import time; time.sleep(2); return [1.0]")).status == "pass"
+    body = f"import os, time\nwhile not os.path.exists({str(gate)!r}): time.sleep(0.01)"
+    limits = Limits(seconds=1e9)
+    assert run(plant("long", f"{body}\nreturn [1.0]"), limits).status == "pass"
     assert looks
-    assert sum(looks) < 0.2 * (time.monotonic() - begun)
+    assert sum(looks) < 0.2 * clock[0]
 
 
 def test_the_memory_is_that_of_the_check(plant: Plant) -> None:

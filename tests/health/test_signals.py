@@ -6,11 +6,11 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
 import pytest
-from health.planted import Plant, gone, left_behind, planter
+from health.planted import Plant, left_behind, planter
+from processes import gone, until
 
 COMMAND = """
 import sys
@@ -88,6 +88,8 @@ def command(folder: Path, *, before: str = "") -> tuple[subprocess.Popen[bytes],
 
 
 def await_notes(runner: subprocess.Popen[bytes], notes: list[Path]) -> None:
-    while not all(note.exists() and note.read_text() for note in notes):
+    def written() -> bool:
         assert runner.poll() is None
-        threading.Event().wait(0.05)
+        return all(note.exists() and note.read_text() for note in notes)
+
+    until(written, "no notes")

@@ -30,7 +30,7 @@ def image() -> Callable[[str], str]:
         if target not in BUILT:
             pytest.skip(f"the image {target} was not built: make test-images IMAGES={target!r}")
         full = f"qrobot:{target}-{RELEASE}-{ARCH}"
-        subprocess.run([ROOT / "docker/load.sh", full], check=True, timeout=300)
+        subprocess.run([ROOT / "docker/load.sh", full], check=True)
         return full
 
     return name
@@ -51,7 +51,7 @@ def config(image: Callable[[str], str]) -> Callable[[str], dict[str, Any]]:
 def run(image: Callable[[str], str]) -> Run:
     """Run a container with the options of docker, to its end."""
 
-    def call(target: str, *arguments: str, options: tuple[str, ...] = (), timeout: float = 180):
-        return docker("run", "--rm", *options, image(target), *arguments, timeout=timeout)
+    def call(target: str, *arguments: str, options: tuple[str, ...] = ()):
+        return docker("run", "--rm", *options, image(target), *arguments)
 
     return call

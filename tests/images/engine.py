@@ -16,11 +16,9 @@ BUILT = os.environ.get("QROBOT_TARGETS", "solver edge lab").split()
 """Which of them."""
 
 
-def docker(*arguments: str, timeout: float = 180) -> subprocess.CompletedProcess[str]:
+def docker(*arguments: str) -> subprocess.CompletedProcess[str]:
     """Run docker to its end."""
-    return subprocess.run(
-        ["docker", *arguments], capture_output=True, text=True, timeout=timeout, check=False
-    )
+    return subprocess.run(["docker", *arguments], capture_output=True, text=True, check=False)
 
 
 def why_not() -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from typing import Any
 
 import pytest
 from images.engine import docker
+from processes import until
 
 SCRIPT = Path(__file__).resolve().parents[2] / "docker/lab.sh"
 TOKEN = "f00dfeedf00dfeedf00dfeedf00dfeed"
@@ -118,10 +118,17 @@ def _answer(url: str, token: str | None) -> int:
     if token:
         request.add_header("Authorization", f"token {token}")
     try:
-        with urllib.request.urlopen(request, timeout=10) as reply:
+        with urllib.request.urlopen(request) as reply:
             return int(reply.status)
     except urllib.error.HTTPError as error:
         return error.code
+
+
+def _answers(url: str) -> bool:
+    try:
+        return bool(_answer(url, TOKEN))
+    except OSError:
+        return False
 
 
 def test_the_image_lets_in_with_the_token_only(image: Callable[[str], str], tmp_path: Path) -> None:
@@ -138,12 +145,7 @@ def test_the_image_lets_in_with_the_token_only(image: Callable[[str], str], tmp_
     try:
         port = docker("port", name, "8888").stdout.split(":")[-1].strip()
         url = f"http://127.0.0.1:{port}/api/status"
-        for _ in range(150):
-            try:
-                _answer(url, TOKEN)
-                break
-            except (urllib.error.URLError, ConnectionError, OSError):
-                time.sleep(0.4)
+        until(lambda: _answers(url), "the lab does not answer")
         assert _answer(url, TOKEN) == 200
         assert _answer(url, None) == 403
         assert _answer(url, "wrong" * 8) == 403

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from oracles import least_distance, paper_shaped
+from processes import HANG
 
 import qrobot
 from qrobot.backends import registry
@@ -149,7 +150,7 @@ def test_the_commands_do_the_same_in_processes_of_their_own(
     script = f"import sys; sys.path[:0] = [{str(tests)!r}, {str(root)!r}]\n{script}"
     done = subprocess.run(
         [sys.executable, "-c", script],
-        capture_output=True, text=True, timeout=120,
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "written:" in done.stdout
@@ -182,7 +183,7 @@ def test_any_option_of_a_sampler_can_be_set(
 def test_the_random_control_is_what_a_count_of_all_assignments_says() -> None:
     instance = paper_shaped(3, 1, 4)
     result = qrobot.solve(
-        instance, backend="neal", encoding="compact", num_reads=4000, control=True, deadline=20
+        instance, backend="neal", encoding="compact", num_reads=4000, control=True, deadline=HANG
     )
     report = result.sampler
     assert result.is_optimal

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import least_distance, paper_shaped
+from processes import HANG
 from strategies import instances
 
 import qrobot
@@ -143,7 +144,7 @@ def test_every_annealer_gives_a_plan_by_itself(backend: str, items: int, robots:
         expected = least_distance(instance)
         if expected is None:
             continue
-        result = qrobot.solve(instance, backend=backend, deadline=20, seed=seed)
+        result = qrobot.solve(instance, backend=backend, deadline=HANG, seed=seed)
         report = result.sampler
         assert report.best is not None
         assert report.best >= expected[0] - 1e-6
@@ -156,10 +157,10 @@ def test_weights_of_the_caller_are_kept() -> None:
     # An overload that is cheap: the lowest energy is no plan, and one round is all there is.
     instance = paper_shaped(3, 2, 204)
     result = qrobot.solve(
-        instance, backend="tabu", deadline=20, penalties={"capacity": 1e-3}, num_reads=5
+        instance, backend="tabu", deadline=HANG, penalties={"capacity": 1e-3}, num_reads=5
     )
     assert result.sampler.rounds == 1
     assert result.sampler.best is None
     assert qrobot.check(result.plan, instance).ok  # by repair, and the report says so
-    again = qrobot.solve(instance, backend="tabu", deadline=20, num_reads=5)
+    again = qrobot.solve(instance, backend="tabu", deadline=HANG, num_reads=5)
     assert again.sampler.reads == 5 * again.sampler.rounds

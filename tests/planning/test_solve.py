@@ -14,10 +14,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from oracles import least_distance, paper_shaped, subset_programme
+from processes import HANG
 from strategies import instances
 
 import qrobot
 from qrobot.backends import Stop
+from qrobot.backends.testing.planners import held_up
 from qrobot.planning.bounds import forest_bound, quick_bound, walk_bound
 from qrobot.planning.run import Progress
 from qrobot.problem import DistanceTable, Instance, Item, Node, OpenFloor, Order, Point, Robot
@@ -163,9 +165,12 @@ def test_one_seed_and_one_work_limit_give_one_plan() -> None:
 def test_the_deadline_is_kept_and_work_is_told() -> None:
     instance = paper_shaped(40, 4, 1)
     heard: list[Progress] = []
+    thread = threading.get_native_id()
+    before = held_up(thread)
     result = qrobot.solve(instance, deadline=1.0, on_progress=heard.append)
     assert result.ended == "deadline"
-    assert result.timing.total < 10.0  # a machine under load; the benchmark has the figure
+    # What a busy machine held this thread up does not count; the benchmark has the figure.
+    assert result.timing.total - (held_up(thread) - before) < 10.0
     assert sum(result.work.values()) > 0
     assert heard
     costs = [p.cost for p in heard if p.cost is not None]
@@ -175,8 +180,12 @@ def test_the_deadline_is_kept_and_work_is_told() -> None:
 
 def test_a_request_returns_the_best_plan_so_far() -> None:
     stop = Stop()
-    threading.Timer(0.7, stop.request).start()
-    result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60, stop=stop)
+
+    def heard(progress: Progress) -> None:
+        if progress.cost is not None:
+            stop.request()
+
+    result = qrobot.solve(paper_shaped(40, 4, 1), deadline=HANG, stop=stop, on_progress=heard)
     assert result.ended == "interrupted"
     assert qrobot.check(result.plan, result.instance).ok
 
@@ -191,7 +200,7 @@ from oracles import paper_shaped
 import qrobot
 press = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT))
 begun = lambda _: None if press.is_alive() or press.finished.is_set() else press.start()
-result = qrobot.solve(paper_shaped(40, 4, 1), deadline=60, on_progress=begun)
+result = qrobot.solve(paper_shaped(40, 4, 1), deadline=3600, on_progress=begun)
 assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 print(result.ended, qrobot.check(result.plan, result.instance).ok)
 """
@@ -326,7 +335,7 @@ def test_a_later_step_that_fails_does_not_cost_the_plan(monkeypatch: pytest.Monk
         raise MemoryError("boom")
 
     monkeypatch.setattr(ExactPlanner, "search", crash)
-    result = qrobot.solve(paper_shaped(16, 4, 3), deadline=1.5)
+    result = qrobot.solve(paper_shaped(16, 4, 3), max_work=50)
     assert qrobot.check(result.plan, result.instance).ok
     assert any("MemoryError: boom" in note for note in result.notes)
 

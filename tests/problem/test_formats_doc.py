@@ -1,40 +1,71 @@
-"""What docs/formats.md shows can be read."""
+"""What docs/formats.md says about orders, limits and errors is what the code does.
+
+That its documents can be read is held by tests/pages.
+"""
 
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pages.blocks import ROOT, blocks_of
 
 import qrobot
 from qrobot.problem import MAX_ITEMS, MAX_STOPS
 from qrobot.problem.warehouse import MAX_CROSSINGS
 
-PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()
+PAGE = ROOT / "docs" / "formats.md"
+
+pytestmark = pytest.mark.skipif(not PAGE.exists(), reason="the docs are not in a wheel")
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, flags=re.MULTILINE | re.DOTALL)
+@pytest.fixture
+def document() -> dict[str, Any]:
+    """Return the first document of the page."""
+    first: dict[str, Any] = json.loads(blocks_of(PAGE, "json")[0].text)
+    return first
 
 
-@pytest.mark.parametrize("text", blocks("json"))
-def test_the_documents_are_read(tmp_path: Path, text: str) -> None:
-    (tmp_path / "x.json").write_text(text)
-    assert qrobot.read(tmp_path / "x.json").size
-
-
-def test_the_orders_are_read_with_the_first_layout(tmp_path: Path) -> None:
-    document = json.loads(blocks("json")[0])
+@pytest.fixture
+def folder(tmp_path: Path, document: dict[str, Any]) -> Path:
+    """Return a folder with its layout."""
     layout = {key: value for key, value in document.items() if key not in ("items", "orders")}
     (tmp_path / "layout.json").write_text(json.dumps(layout))
-    (tmp_path / "orders.csv").write_text(blocks("csv")[0])
-    one = qrobot.read(tmp_path / "orders.csv")
+    return tmp_path
+
+
+def test_the_orders_are_read_with_the_first_layout(folder: Path) -> None:
+    (folder / "orders.csv").write_text(blocks_of(PAGE, "csv")[0].text)
+    one = qrobot.read(folder / "orders.csv")
     assert [i.id for i in one.items] == ["drill", "A1/screws", "A2/screws"]
     assert one.items[1].weight == 1
 
 
 def test_the_limits_are_those_of_the_code() -> None:
-    assert f"{MAX_ITEMS:,} items at {MAX_STOPS:,} stops" in PAGE
-    assert f"{MAX_CROSSINGS:,} crossings" in PAGE
+    text = PAGE.read_text()
+    assert f"{MAX_ITEMS:,} items at {MAX_STOPS:,} stops" in text
+    assert f"{MAX_CROSSINGS:,} crossings" in text
+
+
+def test_the_errors_are_those_of_the_code(folder: Path, document: dict[str, Any]) -> None:
+    drill, screws = document["items"]
+    far = drill | {"at": drill["at"] | {"slot": 14}}
+    items = [*(screws | {"id": f"{k}"} for k in range(3)), far]
+    wave = {k: v for k, v in document.items() if k != "orders"} | {"items": items}
+    (folder / "wave.json").write_text(json.dumps(wave))
+    header = blocks_of(PAGE, "csv")[0].text.splitlines()[0]
+    rows = [f"A{k},bolt,{weight},1,1,0,0,left" for k, weight in enumerate("11111")]
+    (folder / "orders.csv").write_text("\n".join([header, *rows, "B,bolt,2.5 kg,1,1,0,0,left"]))
+    places = "\n".join(f"{k} {k} 0" for k in range(1, 33))
+    demands = "\n".join(f"{k} {int(k > 1)}" for k in range(1, 13))
+    (folder / "A-n32-k5.vrp").write_text(
+        "NAME : A-n32-k5\nTYPE : CVRP\nDIMENSION : 32\nEDGE_WEIGHT_TYPE : EUC_2D\nCAPACITY : 100\n"
+        f"NODE_COORD_SECTION\n{places}\nDEMAND_SECTION\n{demands}\nDEPOT_SECTION\n1\n-1\nEOF\n"
+    )
+    (told,) = [b.text for b in blocks_of(PAGE, "text") if "wave.json" in b.text]
+    for line in told.splitlines():
+        with pytest.raises(qrobot.InputError) as caught:
+            qrobot.read(folder / line.partition(":")[0])
+        assert str(caught.value).removeprefix(f"{folder}/") == line

@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import dimod
@@ -118,10 +117,8 @@ def test_not_waiting_and_fetching_later(service: FileService, store: JobStore) -
 
 def test_a_late_or_interrupted_wait_leaves_the_job(service: FileService, store: JobStore) -> None:
     service.hold = True
-    begun = time.perf_counter()
     with pytest.raises(RemoteError, match=r"longer than 0.2 s; the job goes on \(queued\)"):
         run_job(service, BQM, Options(timeout=0.2), store=store)
-    assert 0.2 <= time.perf_counter() - begun < 30
     with pytest.raises(RemoteError, match="was interrupted"):
         run_job(service, BQM, Options(interrupt_function=lambda: True), store=store)
     (newer, older) = store.list()

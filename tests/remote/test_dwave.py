@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 import warnings
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import dimod
 import dimod.testing
 import numpy as np
 import pytest
+from processes import until
 
 from qrobot.errors import BackendError, CredentialsError, InputError, MissingExtraError, RemoteError
 from qrobot.remote import JobStore, cancel, fetch, refresh
@@ -200,10 +200,8 @@ def test_a_refused_token_is_one_sentence(api, make) -> None:
 
 
 def threads_fall_to(count: int) -> bool:
-    deadline = time.monotonic() + 30
-    while threading.active_count() > count and time.monotonic() < deadline:
-        time.sleep(0.05)
-    return threading.active_count() <= count
+    until(lambda: threading.active_count() <= count, "the threads go on")
+    return True
 
 
 @needs_dwave

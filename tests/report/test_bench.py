@@ -10,6 +10,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
+from processes import HANG
 
 from qrobot.errors import InputError
 from qrobot.report import bench
@@ -170,7 +171,7 @@ def test_whatever_a_worker_does_is_a_row(
     worker.write_text(f"#!/bin/sh\n{script}\n")
     worker.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(worker))
-    monkeypatch.setattr(bench, "GRACE", 0.5)
+    monkeypatch.setattr(bench, "GRACE", 0.5 if "sleep" in script else HANG)
     report = run_bench([Task(str(TINY), "auto", 0, 0.1)] * 2)
     assert len(report["rows"]) == 2
     for found in report["rows"]:
