@@ -6,7 +6,10 @@ play.py, in Ansible's words.
 
 from __future__ import annotations
 
+import contextlib
 import difflib
+import io
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -75,18 +78,21 @@ def check_robots(sources: list[str], limit: str) -> None:
     from ansible.errors import AnsibleError
     from ansible.inventory.manager import InventoryManager, split_host_pattern
     from ansible.parsing.dataloader import DataLoader
-    from ansible.utils.display import Display
 
-    Display.warning = lambda *_, **__: None  # each plugin that cannot read a file tells of it
     source = ", ".join(sources)
+    told = io.StringIO()
     try:
-        inventory = InventoryManager(loader=DataLoader(), sources=sources)
+        with contextlib.redirect_stderr(told):  # what each of Ansible's plugins says, in lines
+            inventory = InventoryManager(loader=DataLoader(), sources=sources)
     except AnsibleError as error:
         if "vault" in str(error).lower():  # the playbook is given the password, this program is not
             return
+        why = " ".join(str(error).split())
+        file = re.search(r"inventory source (\S+)$", why)
+        shape = re.search(r"with 'yaml' plugin: (.+?)(?:, got: .*)?$", told.getvalue(), re.M)
         raise InputError(
-            f"it cannot be read ({' '.join(str(error).split())})",
-            source=source,
+            f"it cannot be read ({shape[1] if shape else why})",
+            source=file[1] if file else source,
             mend="give an inventory as ansible/inventory.example has it",
         ) from None
     if not inventory.list_hosts("all"):

@@ -25,7 +25,7 @@ FOLDER = ROOT / "ansible"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.yml"))
 MEANINGS = {
     1: "the run could not begin or go on; the reason stands above",
-    2: "a robot failed; which one and why stands above",
+    2: "a robot failed, or ansible-playbook does not take these options; see above",
     4: "a robot did not answer, or a file of variables cannot be read; see above",
     5: "ansible-playbook does not take these options",
     99: "stopped by Ctrl-C; run it again to go on",
