@@ -96,7 +96,9 @@ def check_robots(sources: list[str], limit: str) -> None:
             mend="give an inventory as ansible/inventory.example has it",
         ) from None
     if not inventory.list_hosts("all"):
-        raise InputError("it names no robot", source=source, mend="name your robots in its hosts.yml")
+        raise InputError(
+            "it names no robot", source=source, mend="name your robots in its hosts.yml"
+        )
     robots = [str(host) for host in inventory.list_hosts("all")]
     for part in split_host_pattern(limit) if limit else []:
         name = part.lstrip("!&")
@@ -116,4 +118,3 @@ def check_robots(sources: list[str], limit: str) -> None:
         inventory.subset(limit)
         if not inventory.list_hosts("all"):
             raise InputError(f"'{limit}' leaves no robot of {source}", field="LIMIT")
-

@@ -120,8 +120,6 @@ def test_a_failure_in_an_early_batch_is_told_by_the_exit_code(provision: Provisi
     assert finished(done) == ["pi-2", "pi-3", "pi-4"]
 
 
-
-
 def test_a_rollback_begins_with_one_robot_and_names_what_cannot_return(tmp_path: Path) -> None:
     stand_in(tmp_path, "rollback.yml", {})
     handler = {"name": "Restart the services of the release", "ansible.builtin.meta": "noop"}
