@@ -38,8 +38,9 @@ ANSIBLE_ARGS ?=
 WHEELHOUSE_PROFILE ?= edge
 virtual-pi-packages = qemu-system-arm ipxe-qemu qemu-utils qemu-user-static binfmt-support mmdebstrap arch-test \
   debian-archive-keyring e2fsprogs dosfstools mtools openssh-client iproute2
-playbook = ANSIBLE_CONFIG=ansible/ansible.cfg $(bin)/ansible-playbook --inventory $(INVENTORY) \
-  $(if $(LIMIT),--limit $(LIMIT)) $(ANSIBLE_ARGS)
+# It says with which exit code a playbook ended: make itself ends with 2 in any case.
+play = $(bin)/python ansible/controller/play.py
+robots = --inventory '$(INVENTORY)' $(if $(LIMIT),--limit '$(LIMIT)') $(ANSIBLE_ARGS)
 shell-scripts = docker/*.sh ansible/virtual-pi/*.sh locks/*.sh tests/ansible/*.sh
 source = qrobot tests ansible benchmarks docker examples healthchecks locks
 
@@ -122,26 +123,26 @@ test-images: $(stamp)-dev ## build the images for this machine and hold them to 
 test-arm64: ## prove the arm64 images on an emulated Cortex-A72: reports in build/arm64
 	docker/test-arm64.sh
 
-provision: inventory-there $(stamp)-provision ## from a bare Pi to a healthy robot: INVENTORY=, LIMIT=, ANSIBLE_ARGS="--check --diff"
-	$(playbook) ansible/provision.yml
+provision: $(stamp)-provision ## from a bare Pi to a healthy robot: INVENTORY=, LIMIT=, ANSIBLE_ARGS="--check --diff"
+	$(play) provision $(robots)
 
-upgrade: inventory-there $(stamp)-provision ## bring this checkout's version to the robots, one first, each proven before it counts
-	$(playbook) ansible/upgrade.yml
+upgrade: $(stamp)-provision ## bring this checkout's version to the robots, one first, each proven before it counts
+	$(play) upgrade $(robots)
 
-rollback: inventory-there $(stamp)-provision ## return to the release before
-	$(playbook) ansible/rollback.yml
+rollback: $(stamp)-provision ## return to the release before
+	$(play) rollback $(robots)
 
-fleet-health: inventory-there $(stamp)-provision ## run the health checks on all robots: build/fleet/fleet.html
-	$(playbook) ansible/health.yml
+fleet-health: $(stamp)-provision ## run the health checks on all robots: build/fleet/fleet.html
+	$(play) health $(robots)
 
-drift: inventory-there $(stamp)-provision ## what robots have against the locks and each other: build/fleet/drift.html
-	$(playbook) ansible/drift.yml
+drift: $(stamp)-provision ## what robots have against the locks and each other: build/fleet/drift.html
+	$(play) drift $(robots)
 
-credentials: inventory-there $(stamp)-provision ## ask for the clouds' tokens and put them on the robots
-	$(playbook) ansible/credentials.yml
+credentials: $(stamp)-provision ## ask for the clouds' tokens and put them on the robots
+	$(play) credentials $(robots)
 
-reset: inventory-there $(stamp)-provision ## take qRobot off a robot: LIMIT=robot ANSIBLE_ARGS="-e reset_confirm=robot"
-	$(playbook) ansible/reset.yml
+reset: $(stamp)-provision ## take qRobot off a robot: LIMIT=robot ANSIBLE_ARGS="-e reset_confirm=robot"
+	$(play) reset $(robots)
 
 wheelhouse: $(stamp)-provision ## collect a robot's wheels beforehand, for Python 3.11 and 3.13: WHEELHOUSE_PROFILE=edge
 	@for python in 3.11 3.13; do \
@@ -166,7 +167,8 @@ virtual-pi-reset: ## throw the virtual Pi's disk away: the next start is a first
 
 test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind that boots in a namespace (root)
 	QROBOT_ROLES=1 $(bin)/python -m pytest -n 2 --dist loadfile tests/ansible/test_roles.py tests/ansible/test_roles_change.py \
-	  tests/ansible/test_roles_ssh.py tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
+	  tests/ansible/test_roles_ssh.py tests/ansible/test_roles_lost.py tests/ansible/test_fleet_machine.py \
+	  tests/ansible/test_roles_lab.py
 
 test-virtual-pi: $(stamp)-provision ## prove the playbooks on the virtual Pi (hours): STEPS="bare provision again"
 	$(pip) install --require-hashes --requirement locks/build.txt
@@ -199,10 +201,6 @@ distclean: clean ## remove the environments too
 	@$(PYTHON) -m venv .venv-lock
 	@.venv-lock/bin/python -m pip --disable-pip-version-check --no-input --quiet install uv==$(UV_VERSION)
 	@touch $@
-
-.PHONY: inventory-there
-inventory-there:
-	@test -e '$(INVENTORY)' || { echo '$(INVENTORY): no such inventory: cp -r ansible/inventory.example ansible/inventory and name your robots in it' >&2; exit 2; }
 
 # While an environment is being made a file in it says so: an interrupted one is begun again.
 # The build tools come first, so that building the project (and the two packages that exist as

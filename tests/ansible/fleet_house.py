@@ -45,6 +45,24 @@ def robot(root: Path, name: str, packages: dict[str, str]) -> Environment:
     return made
 
 
+def stand_in(folder: Path, playbook: str, tasks: dict[str, list[dict[str, Any]]]) -> None:
+    """Lay a playbook of ours into a folder, with other roles than its own.
+
+    The playbook is byte for byte ours, and so is the role qrobot; every other role that it names
+    has the tasks given, or none.
+    """
+    shutil.copy(ANSIBLE / playbook, folder)
+    shutil.copytree(ANSIBLE / "roles/qrobot", folder / "roles/qrobot")
+    names = {path.name for path in (ANSIBLE / "roles").iterdir()} - {"qrobot"}
+    for name in names:
+        made = folder / "roles" / name
+        (made / "tasks").mkdir(parents=True)
+        (made / "tasks/main.yml").write_text(json.dumps(tasks.get(name, [])))
+        handlers = ANSIBLE / "roles" / name / "handlers"
+        if handlers.is_dir():
+            shutil.copytree(handlers, made / "handlers")
+
+
 def play(
     folder: Path, playbook: Path, hosts: dict[str, dict[str, Any]], **more: Any
 ) -> subprocess.CompletedProcess[str]:
@@ -58,6 +76,9 @@ def play(
         "ANSIBLE_CONFIG": str(folder / "ansible.cfg"),
         "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
         "ANSIBLE_MODULE_UTILS": str(PLUGINS / "module_utils"),
+        "ANSIBLE_ACTION_PLUGINS": str(PLUGINS / "action"),
+        "ANSIBLE_CALLBACK_PLUGINS": str(PLUGINS / "callback"),
+        "ANSIBLE_CALLBACKS_ENABLED": "qrobot_outcome",
         "ANSIBLE_LOCAL_TEMP": str(temporary),
         "ANSIBLE_REMOTE_TEMP": str(temporary),
         "ANSIBLE_ASYNC_DIR": str(temporary / "jobs"),  # "~" is the login's home, not HOME

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -21,7 +20,7 @@ from typing import Any
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from fleet_house import ANSIBLE, DEAD, LOCAL, play
+from fleet_house import ANSIBLE, DEAD, LOCAL, play, stand_in
 from health.samples import check, report
 from release_house import program
 
@@ -32,13 +31,10 @@ Run = Callable[..., tuple[subprocess.CompletedProcess[str], list[list[str]]]]
 @pytest.fixture
 def upgrade(tmp_path: Path) -> Run:
     """Run our upgrade.yml with stand-ins for its roles; also the robots of each batch."""
-    shutil.copy(ANSIBLE / "upgrade.yml", tmp_path)
-    shutil.copytree(ANSIBLE / "roles/qrobot", tmp_path / "roles/qrobot")
-    tasks: dict[str, list[dict[str, Any]]] = {
-        name: [] for name in ("runtime", "wheelhouse", "stacks", "health")
-    }
     # The first task that needs a connection.
-    tasks["preflight"] = [{"ansible.builtin.raw": "true", "changed_when": False}]
+    tasks: dict[str, list[dict[str, Any]]] = {
+        "preflight": [{"ansible.builtin.raw": "true", "changed_when": False}]
+    }
     installed = {"id": "2.0", "current": "1.0"}
     tasks["release"] = [
         {"ansible.builtin.debug": {"msg": "TOUCHED {{ ansible_play_batch | join(' ') }}"}},
@@ -46,10 +42,7 @@ def upgrade(tmp_path: Path) -> Run:
         {"ansible.builtin.debug": {"msg": "SWITCHED {{ inventory_hostname }}"}},
         {"ansible.builtin.set_fact": {"release_installed": installed}},
     ]
-    for name, steps in tasks.items():
-        folder = tmp_path / "roles" / name / "tasks"
-        folder.mkdir(parents=True)
-        (folder / "main.yml").write_text(json.dumps(steps))
+    stand_in(tmp_path, "upgrade.yml", tasks)
 
     def run(odd: dict[str, dict[str, Any]], **more: Any) -> Any:
         hosts = {name: LOCAL | odd.get(name, {}) for name in ROBOTS}

@@ -51,3 +51,102 @@ def test_a_home_that_the_sandboxes_hide_is_refused(tmp_path: Path) -> None:
     task = "Refuse a home that the services may not see"
     assert run_task(tmp_path, task, qrobot_home="/var/lib/qrobot")[0]
     assert not run_task(tmp_path, task, qrobot_home="/home/qrobot")[0]
+
+
+SSH = """#!{python}
+import json, sys
+open({told!r}, "w").write(json.dumps(sys.argv[1:]))
+sys.exit({code})
+"""
+
+
+def log_in(
+    folder: Path, code: int = 0, options: tuple[str, ...] = (), **variables: object
+) -> tuple[int, str, list[str]]:
+    """Run the role's trial of the key with a stand-in for ssh: the code, the text, its words."""
+    program = Path(sys.executable).parent / "ansible-playbook"
+    if not program.is_file():
+        pytest.skip("no ansible-playbook beside this Python")
+    programs, told = folder / "programs", folder / "words.json"
+    programs.mkdir()
+    (programs / "ssh").write_text(SSH.format(python=sys.executable, told=str(told), code=code))
+    (programs / "ssh").chmod(0o755)
+    tasks = [{"ansible.builtin.include_tasks": str(ROLE / "tasks/key.yml")}]
+    (folder / "play.yml").write_text(
+        json.dumps([{"hosts": "picker-1", "gather_facts": False, "tasks": tasks}])
+    )
+    hosts = {"picker-1": {"ansible_python_interpreter": sys.executable, **variables}}
+    (folder / "inventory.json").write_text(json.dumps({"all": {"hosts": hosts}}))
+    done = subprocess.run(
+        [program, "--inventory", folder / "inventory.json", *options,
+         folder / "play.yml"],
+        env=os.environ | {"ANSIBLE_NOCOLOR": "1", "PATH": f"{programs}:{os.environ['PATH']}"},
+        capture_output=True, text=True, check=False, cwd=folder,
+    )  # fmt: skip
+    return done.returncode, done.stdout + done.stderr, json.loads(told.read_text())
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ('-o ProxyCommand="ssh -W %h:%p -q jump"', ["-o", "ProxyCommand=ssh -W %h:%p -q jump"]),
+        ("-o 'ProxyCommand ssh -W %h:%p jump'", ["-o", "ProxyCommand ssh -W %h:%p jump"]),
+        (
+            '-o "ProxyCommand=nc -X 5 -x proxy:1080 %h %p"',
+            ["-o", "ProxyCommand=nc -X 5 -x proxy:1080 %h %p"],
+        ),
+        (
+            "-o UserKnownHostsFile='/srv/my fleet/known_hosts' -4",
+            ["-o", "UserKnownHostsFile=/srv/my fleet/known_hosts", "-4"],
+        ),
+        (
+            "-o ProxyCommand='sh -c \"exec $HELPER %h\"'",
+            ["-o", 'ProxyCommand=sh -c "exec $HELPER %h"'],
+        ),
+        ("-J me@jump:2222", ["-J", "me@jump:2222"]),
+        ("", []),
+    ],
+)
+@pytest.mark.parametrize("name", ["ansible_ssh_common_args", "ansible_ssh_extra_args"])
+def test_arguments_of_ssh_may_be_quoted(
+    tmp_path: Path, name: str, given: str, words: list[str]
+) -> None:
+    code, text, told = log_in(tmp_path, **{name: given})
+    assert code == 0, text
+    assert told[-2:] == ["picker-1", "true"]
+    assert told[len(told) - 2 - len(words) : -2] == words
+
+
+@pytest.mark.parametrize(
+    ("variables", "words"),
+    [
+        ({"ansible_host": "10.0.0.4", "ansible_port": 2222, "ansible_user": "pi"},
+         ["-p 2222", "-l pi", "10.0.0.4 true"]),
+        ({"ansible_ssh_host": "10.0.0.5", "ansible_ssh_port": 23, "ansible_ssh_user": "me"},
+         ["-p 23", "-l me", "10.0.0.5 true"]),
+        ({"ansible_ssh_private_key_file": "/srv/my key"}, ["-i /srv/my key -o IdentitiesOnly=yes"]),
+        ({"ansible_private_key_file": "/srv/key"}, ["-i /srv/key -o IdentitiesOnly=yes"]),
+        ({}, ["-p 22", "picker-1 true"]),
+    ],
+)  # fmt: skip
+def test_the_trial_logs_in_as_ansible_does(
+    tmp_path: Path, variables: dict[str, object], words: list[str]
+) -> None:
+    code, text, told = log_in(tmp_path, **variables)
+    assert code == 0, text
+    for one in words:
+        assert one in " ".join(told)
+
+
+def test_the_command_line_names_the_user_and_the_key(tmp_path: Path) -> None:
+    key = tmp_path / "key"
+    options = ("--user", "me", "--private-key", str(key))
+    code, text, told = log_in(tmp_path, options=options)
+    assert code == 0, text
+    assert f"-i {key} -o IdentitiesOnly=yes -l me picker-1 true" in " ".join(told)
+
+
+def test_a_robot_that_no_key_opens_is_refused(tmp_path: Path) -> None:
+    code, text, _ = log_in(tmp_path, code=255)
+    assert code == 2
+    assert "picker-1: no key logs in" in text

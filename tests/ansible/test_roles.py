@@ -149,7 +149,7 @@ def test_the_daily_checks_run_in_a_sandbox_and_are_shown(
     machine: Machine, provisioned: Run
 ) -> None:
     assert machine.root("systemctl is-active qrobot-health.timer").strip() == "active"
-    machine.root("systemctl start qrobot-health.service")
+    # Nobody started the service: provisioning itself has, so there are metrics from the first hour.
     shown = machine.root("systemctl show --property Result --value qrobot-health.service")
     assert shown.strip() == "success"
     modes = machine.root("stat -c '%a %U %n' /var/lib/qrobot-health/*").splitlines()
@@ -164,6 +164,27 @@ def test_the_daily_checks_run_in_a_sandbox_and_are_shown(
     assert names
     assert all(f"\n{name}" in metrics for name in names)
     assert "node_textfile_scrape_error 0" in metrics
+
+
+def test_the_sandbox_of_the_daily_checks_hides_nothing_of_the_machine(
+    machine: Machine, provisioned: Run
+) -> None:
+    as_user = "runuser -u qrobot -- env -i HOME=/var/lib/qrobot PATH=/usr/bin:/bin LANG=C.UTF-8"
+    outside = json.loads(
+        machine.root(
+            f"cd /var/lib/qrobot; {as_user} /usr/local/bin/qrobot health qrobot --json || true"
+        )
+    )
+    inside = json.loads(machine.root("cat /var/lib/qrobot-health/report.json"))
+    known = [
+        {one["name"] for one in report["system"] if one["status"] != "unknown"}
+        for report in (inside, outside)
+    ]
+    assert known[0] == known[1]
+    assert "clock-synchronised" in known[0]
+    assert "qrobot_health_clock_synchronised" in machine.root(
+        "cat /var/lib/qrobot-health/qrobot.prom"
+    )
 
 
 @pytest.mark.parametrize("tag", ["metrics", "hardening", "credentials", "health"])
