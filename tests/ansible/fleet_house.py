@@ -58,6 +58,7 @@ def play(
         "ANSIBLE_CONFIG": str(folder / "ansible.cfg"),
         "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
         "ANSIBLE_MODULE_UTILS": str(PLUGINS / "module_utils"),
+        "ANSIBLE_ACTION_PLUGINS": str(PLUGINS / "action"),
         "ANSIBLE_LOCAL_TEMP": str(temporary),
         "ANSIBLE_REMOTE_TEMP": str(temporary),
         "ANSIBLE_ASYNC_DIR": str(temporary / "jobs"),  # "~" is the login's home, not HOME

@@ -212,6 +212,9 @@ def test_reset_wants_a_word_of_the_owner(machine: Machine, provisioned: Run) -> 
 
 @pytest.fixture
 def was_reset(machine: Machine, provisioned: Run) -> Run:
+    machine.root("mkdir /srv/victim && echo kept >/srv/victim/kept")
+    for link in ("/var/lib/qrobot/to-folder", "/var/lib/qrobot-health/to-folder"):
+        machine.root(f"runuser --user=qrobot -- ln -s /srv/victim {link}")
     return machine.playbook("reset.yml", reset_confirm="robot", reset_hardening=True)
 
 
@@ -224,6 +227,7 @@ def test_reset(machine: Machine, was_reset: Run) -> None:
         line.split()[0] for line in left.splitlines()
     }
     assert "qrobot" not in machine.root("cat /etc/passwd")
+    assert machine.root("cat /srv/victim/kept").strip() == "kept"
     cmdline = machine.root("cat /boot/firmware/cmdline.txt")
     assert cmdline == machine.boot["cmdline.txt"].decode()
     assert machine.root("cat /boot/firmware/config.txt") == machine.boot["config.txt"].decode()
