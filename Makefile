@@ -166,7 +166,7 @@ virtual-pi-reset: ## throw the virtual Pi's disk away: the next start is a first
 
 test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind that boots in a namespace (root)
 	QROBOT_ROLES=1 $(bin)/python -m pytest -n 2 --dist loadfile tests/ansible/test_roles.py tests/ansible/test_roles_change.py \
-	  tests/ansible/test_roles_ssh.py tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
+	  tests/ansible/test_roles_ssh.py tests/ansible/test_roles_pi.py tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
 
 test-virtual-pi: $(stamp)-provision ## prove the playbooks on the virtual Pi (hours): STEPS="bare provision again"
 	$(pip) install --require-hashes --requirement locks/build.txt
