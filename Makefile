@@ -145,7 +145,7 @@ reset: inventory-there $(stamp)-provision ## take qRobot off a robot: LIMIT=robo
 
 wheelhouse: $(stamp)-provision ## collect a robot's wheels beforehand, for Python 3.11 and 3.13: WHEELHOUSE_PROFILE=edge
 	@for python in 3.11 3.13; do \
-	  $(bin)/python ansible/controller/wheelhouse.py --profile $(WHEELHOUSE_PROFILE) --python $$python || exit; \
+	  $(bin)/python ansible/controller/wheelhouse.py --profile $(WHEELHOUSE_PROFILE) --python $$python --strict || exit; \
 	done
 
 virtual-pi-tools: ## install what runs the virtual Pi (root, Debian): qemu-system-arm, qemu-utils, mmdebstrap, mtools

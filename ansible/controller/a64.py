@@ -52,14 +52,15 @@ CLASSES: dict[str, tuple[tuple[int, int], ...]] = {
              (0xBF7FCC00, 0x0E30C800), (0xBFF8FC00, 0x0F00FC00), (0xBFC0F400, 0x0F001000),
              (0xBFC0F400, 0x0F005000), (0x9FC0F400, 0x0F009000), (0xFFC0F400, 0x5F001000),
              (0xFFC0F400, 0x5F005000), (0xDFC0F400, 0x5F009000), (0xBFE0FC00, 0x0E20EC00),
-             (0xBFE0FC00, 0x0EA0EC00), (0xBFE0FC00, 0x2E20CC00), (0xBFE0FC00, 0x2EA0CC00)),
+             (0xBFE0FC00, 0x0EA0EC00), (0xBFE0FC00, 0x2E20CC00), (0xBFE0FC00, 0x2EA0CC00),
+             (0xBFC0B400, 0x0F800000), (0xBFC0B400, 0x2F808000)),
     # Complex numbers and JavaScript's conversion (ARMv8.3), flags (8.4).
     "fcma": ((0xBF20E400, 0x2E00C400), (0xBF20EC00, 0x2E00E400), (0xBFC09400, 0x2F401000),
              (0xBFC09400, 0x2F801000), (0xFFFFFC00, 0x1E7E0000)),
     "flagm": ((0xFFFFFFFF, 0xD500401F), (0xFFE07C10, 0xBA000400), (0xFFFFBC1F, 0x3A00080D)),
     # Signed pointers (ARMv8.3), but those in the space of hints, which a Pi 4 passes over.
-    "pauth": ((0xFFFF0000, 0xDAC10000), (0xFFE0FC00, 0x9AC03000), (0xFFFFFBFF, 0xD65F0BFF), (0xFEDFF800, 0xD61F0800),
-              (0xFF200400, 0xF8200400)),
+    "pauth": ((0xFFFF0000, 0xDAC10000), (0xFFE0FC00, 0x9AC03000), (0xFFFFFBFF, 0xD65F0BFF),
+              (0xFEDFF800, 0xD61F0800), (0xFF200400, 0xF8200400)),
     "mte": ((0xFF200400, 0xD9200400), (0xFF200C00, 0xD9200800), (0xFFE0FC00, 0x9AC01000),
             (0xFFE00C00, 0xD9600000), (0xBFC0C000, 0x91800000)),
     # Scalable vectors: a quarter of the space of encodings is theirs.
@@ -71,6 +72,7 @@ RET = 0xD65F03C0
 # In the place of the unwinder of GCC's own library: only for a frame that has scalable registers.
 CNTD_X0 = 0x04E0E3E0
 CHUNK = 1 << 20
+TEXT = 4
 
 
 def _heads() -> npt.NDArray[np.bool_]:
@@ -102,9 +104,17 @@ def find(words: Words) -> dict[str, npt.NDArray[np.int64]]:
 
 
 def is_text(words: Words) -> npt.NDArray[np.bool_]:
-    """Which words are four printable characters: between instructions they are somebody's name."""
-    quads = words.astype("<u4").view(np.uint8).reshape(-1, 4)
-    return np.asarray(((quads >= 0x20) & (quads < 0x7F)).all(axis=1))
+    """Which words are of a text of 16 printable characters or more: between functions, a name.
+
+    One word alone may be printable and an instruction: ``aese v0.16b, v1.16b`` is " H(N".
+    """
+    quads = np.ascontiguousarray(words, "<u4").view(np.uint8).reshape(-1, 4)
+    printable = ((quads >= 0x20) & (quads < 0x7F)).all(axis=1)
+    edges = np.flatnonzero(np.diff(printable, prepend=False, append=False))
+    found = np.zeros(len(words), dtype=bool)
+    for begin, end in edges.reshape(-1, 2)[np.diff(edges)[::2] >= TEXT]:
+        found[begin:end] = True
+    return found
 
 
 def outlined(words: Words, places: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,10 @@ AARCH64 = 183
 EXECUTABLE_SECTION = 4
 SYMBOLS = (2, 11)  # SHT_SYMTAB, SHT_DYNSYM
 FUNCTIONS = (2, 10)  # STT_FUNC, STT_GNU_IFUNC
+SYMBOL = np.dtype(
+    [("name", "<u4"), ("info", "u1"), ("other", "u1"), ("section", "<u2"), ("value", "<u8"),
+     ("size", "<u8")]
+)  # fmt: skip
 Spans = npt.NDArray[np.int64]
 
 
@@ -76,10 +81,10 @@ def code(data: bytes) -> Iterator[Code]:
         for part in _executable(memoryview(data), sections):
             words = np.frombuffer(part.data, "<u4", len(part.data) // 4)
             sure = _covered(part.address, len(words), starts, ends)
-            for address, is_code in marks:
-                at = (address - part.address) // 4
-                if 0 <= at < len(words):
-                    sure[at:] = is_code
+            for (address, is_code), (end, _) in pairwise([*marks, (1 << 62, False)]):
+                first, last = ((one - part.address) // 4 for one in (address, end))
+                if first < len(words) and last > 0:
+                    sure[max(first, 0) : last] = is_code
             yield Code(part.address, words, sure)
     except (struct.error, ValueError, IndexError) as error:
         raise ElfError(str(error)) from None
@@ -122,39 +127,34 @@ def _executable(data: memoryview, sections: list[Section]) -> Iterator[Section]:
 
 
 def _known(sections: list[Section]) -> tuple[Spans, Spans]:
-    """Begins and ends of what surely is code: functions of the tables for unwinding and of symbols."""
-    spans = [pair for one in sections if one.name == ".eh_frame" for pair in _unwound(one)]
+    """Begins and ends of what surely is code: functions of tables for unwinding and of symbols."""
+    found = [pair for one in sections if one.name == ".eh_frame" for pair in _unwound(one)]
+    spans = [np.array(found, dtype=np.int64).reshape(-1, 2)]
     for table in (one for one in sections if one.kind in SYMBOLS):
-        symbols = np.frombuffer(table.data, SYMBOL, len(table.data) // SYMBOL.itemsize)
+        symbols = _symbols(table)
         chosen = symbols[np.isin(symbols["info"] & 15, FUNCTIONS) & (symbols["size"] > 0)]
-        spans += zip(
-            chosen["value"].tolist(), (chosen["value"] + chosen["size"]).tolist(), strict=True
-        )
-    pairs = np.array(spans, dtype=np.int64).reshape(-1, 2)
+        begins = chosen["value"].astype(np.int64)
+        spans.append(np.stack([begins, begins + chosen["size"].astype(np.int64)], axis=1))
+    pairs = np.concatenate(spans)
     return pairs[:, 0], pairs[:, 1]
 
 
-SYMBOL = np.dtype(
-    [
-        ("name", "<u4"),
-        ("info", "u1"),
-        ("other", "u1"),
-        ("section", "<u2"),
-        ("value", "<u8"),
-        ("size", "<u8"),
-    ]
-)
+def _symbols(table: Section) -> npt.NDArray[np.void]:
+    return np.frombuffer(table.data, SYMBOL, len(table.data) // SYMBOL.itemsize)
 
 
 def _marks(sections: list[Section]) -> list[tuple[int, bool]]:
     """Mapping symbols in their sequence: where instructions begin (``$x``) and data (``$d``)."""
-    marks = []
+    names = next((bytes(one.data) for one in sections if one.name == ".strtab"), b"") + b"\0\0\0"
+    text = np.frombuffer(names, np.uint8)
+    marks: list[tuple[int, bool]] = []
     for table in (one for one in sections if one.kind == SYMBOLS[0]):
-        names = next((bytes(one.data) for one in sections if one.name == ".strtab"), b"")
-        for symbol in np.frombuffer(table.data, SYMBOL, len(table.data) // SYMBOL.itemsize):
-            label = names[symbol["name"] : symbol["name"] + 3]
-            if label[:2] in (b"$x", b"$d") and label[2:] in (b"\0", b"."):
-                marks.append((int(symbol["value"]), label[:2] == b"$x"))
+        symbols = _symbols(table)
+        at = np.minimum(symbols["name"], len(text) - 3)
+        found = symbols[(text[at] == ord("$")) & np.isin(text[at + 2], (0, ord(".")))]
+        kinds = text[found["name"] + 1]
+        kept = np.isin(kinds, (ord("x"), ord("d")))
+        marks += zip(found["value"][kept].tolist(), (kinds[kept] == ord("x")).tolist(), strict=True)
     return sorted(marks)
 
 
@@ -176,7 +176,7 @@ RELATIVE = 0x10
 
 def _unwound(section: Section) -> Iterator[tuple[int, int]]:
     """Yield begin and end of each function that .eh_frame has."""
-    data, at = section.data, 0
+    data, at = bytes(section.data), 0
     encodings: dict[int, int] = {}
     while at + 8 <= len(data):
         (length,) = struct.unpack_from("<I", data, at)
@@ -189,7 +189,7 @@ def _unwound(section: Section) -> Iterator[tuple[int, int]]:
             continue
         (common,) = struct.unpack_from("<I", data, body)
         if common == 0:
-            encodings[at] = _encoding(bytes(data[body + 4 : body + length]))
+            encodings[at] = _encoding(data[body + 4 : body + length])
         else:
             encoding = encodings.get(body - common, 0xFF)
             form = SIZES.get(encoding & 0x0F)

@@ -1,4 +1,4 @@
-"""What Raspberry Pi OS has and a bare Debian has not: a journal in memory, a swap file, careful sudo.
+"""What Raspberry Pi OS has and a bare Debian has not: a journal in memory, a swap file, sudo.
 
 One story in its sequence, on a machine of its own, of the role base only. QROBOT_ROLES=1 switches
 it on, for root.
@@ -6,10 +6,11 @@ it on, for root.
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
-from machine import Machine, Run
+from machine import RELEASE, Machine, Run
 
 VOLATILE = "/usr/lib/systemd/journald.conf.d/40-rpi-volatile-storage.conf"
 # As the packages of Raspberry Pi OS have it. The kernel's swap is the computer's: the file is only
@@ -129,6 +130,19 @@ def test_a_port_that_cannot_be_is_told_before_anything(machine: Machine, provisi
     assert done.code != 0
     assert done.counts["changed"] == 0
     assert "hardening_ports[1] is '53/upd': protocol 'upd' is not known" in done.why()
+
+
+def test_docker_takes_its_settings(machine: Machine, provisioned: Run) -> None:
+    """Where ports are published is docs/provisioning.md's to say, and its own program's to check."""
+    machine.root("apt-get install -qq -y --no-install-recommends docker.io >/dev/null 2>&1")
+    done = provision(machine, "--tags", "docker", qrobot_docker=True)
+    settings = json.loads(machine.root("cat /etc/docker/daemon.json"))
+    assert settings["ip"] == "127.0.0.1"
+    networks = settings.get("default-network-opts", {"bridge": {}})["bridge"]
+    if RELEASE != "bookworm":
+        assert networks == {"com.docker.network.bridge.host_binding_ipv4": "127.0.0.1"}
+        machine.root("dockerd --validate --config-file /etc/docker/daemon.json")
+    print(done.text[-1500:])
 
 
 def test_reset_gives_the_swap_file_back(machine: Machine, provisioned: Run) -> None:
