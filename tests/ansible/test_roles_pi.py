@@ -133,16 +133,15 @@ def test_a_port_that_cannot_be_is_told_before_anything(machine: Machine, provisi
 
 
 def test_docker_takes_its_settings(machine: Machine, provisioned: Run) -> None:
-    """Where ports are published is docs/provisioning.md's to say, and its own program's to check."""
+    """Its own program reads them; whether an engine can run in this machine is not asked."""
     machine.root("apt-get install -qq -y --no-install-recommends docker.io >/dev/null 2>&1")
-    done = provision(machine, "--tags", "docker", qrobot_docker=True)
+    provision(machine, "--tags", "docker", qrobot_docker=True)
     settings = json.loads(machine.root("cat /etc/docker/daemon.json"))
     assert settings["ip"] == "127.0.0.1"
     networks = settings.get("default-network-opts", {"bridge": {}})["bridge"]
     if RELEASE != "bookworm":
         assert networks == {"com.docker.network.bridge.host_binding_ipv4": "127.0.0.1"}
         machine.root("dockerd --validate --config-file /etc/docker/daemon.json")
-    print(done.text[-1500:])
 
 
 def test_reset_gives_the_swap_file_back(machine: Machine, provisioned: Run) -> None:
