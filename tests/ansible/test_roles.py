@@ -152,6 +152,11 @@ def test_the_daily_checks_run_in_a_sandbox_and_are_shown(
     machine.root("systemctl start qrobot-health.service")
     shown = machine.root("systemctl show --property Result --value qrobot-health.service")
     assert shown.strip() == "success"
+    limits = "--property MemoryMax --property OOMScoreAdjust --property OOMPolicy"
+    told = machine.root(f"systemctl show {limits} qrobot-health.service").split()
+    held = dict(line.split("=") for line in told)
+    assert (held["OOMScoreAdjust"], held["OOMPolicy"]) == ("500", "continue")
+    assert int(held["MemoryMax"]) > 0  # bytes, not "infinity"
     modes = machine.root("stat -c '%a %U %n' /var/lib/qrobot-health/*").splitlines()
     assert {"report.json", "report.html", "qrobot.prom"} <= {m.rsplit("/", 1)[1] for m in modes}
     assert {m.rsplit(" ", 1)[0] for m in modes} == {"644 qrobot"}
