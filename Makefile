@@ -146,7 +146,7 @@ reset: $(stamp)-provision ## take qRobot off a robot: LIMIT=robot ANSIBLE_ARGS="
 
 wheelhouse: $(stamp)-provision ## collect a robot's wheels beforehand, for Python 3.11 and 3.13: WHEELHOUSE_PROFILE=edge
 	@for python in 3.11 3.13; do \
-	  $(bin)/python ansible/controller/wheelhouse.py --profile $(WHEELHOUSE_PROFILE) --python $$python || exit; \
+	  $(bin)/python ansible/controller/wheelhouse.py --profile $(WHEELHOUSE_PROFILE) --python $$python --strict || exit; \
 	done
 
 virtual-pi-tools: ## install what runs the virtual Pi (root, Debian): qemu-system-arm, qemu-utils, mmdebstrap, mtools
@@ -167,8 +167,8 @@ virtual-pi-reset: ## throw the virtual Pi's disk away: the next start is a first
 
 test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind that boots in a namespace (root)
 	QROBOT_ROLES=1 $(bin)/python -m pytest -n 2 --dist loadfile tests/ansible/test_roles.py tests/ansible/test_roles_change.py \
-	  tests/ansible/test_roles_ssh.py tests/ansible/test_roles_lost.py tests/ansible/test_fleet_machine.py \
-	  tests/ansible/test_roles_lab.py
+	  tests/ansible/test_roles_ssh.py tests/ansible/test_roles_lost.py tests/ansible/test_roles_pi.py \
+	  tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
 
 test-virtual-pi: $(stamp)-provision ## prove the playbooks on the virtual Pi (hours): STEPS="bare provision again"
 	$(pip) install --require-hashes --requirement locks/build.txt

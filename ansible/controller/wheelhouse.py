@@ -2,6 +2,7 @@
 
 The robot asks no package index: what is collected here goes to it over SSH. All profiles and
 robots share one folder, build/wheelhouse/files; a run that finds everything there asks nobody.
+The wheels of a robot are searched for instructions that a Pi 4 lacks (instructions.py).
 Exit codes: 0 done, 2 an argument or a lock cannot be used, 3 something is missing or wrong.
 """
 
@@ -18,6 +19,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import instructions
 from common import ROOT, alone, read_json, run, say, sha256, write_json
 from fetch import fetch, line, own_wheel
 from lock import Pin, pins
@@ -49,6 +51,7 @@ def main() -> None:
         *files, uv = collect([*wanted, uv_pin], store)
         document = describe(profile, target, store, [*files, own], own)
         document["uv"] = asdict(uv) | unpack_uv(store, uv, uv_pin.version)
+        document["unreviewed"] = unreviewed_on_a_pi([*files, uv], store)
         path = folder / f"{profile}-{target.python}-{target.machine}.json"
         before = read_json(path)
         changed = before != document
@@ -58,6 +61,10 @@ def main() -> None:
         print(json.dumps({"changed": changed} | document))
     size = sum(file["size"] for file in document["files"]) / 1e6
     say(f"wheelhouse: {document['id']}: {len(document['files'])} wheels, {size:.0f} MB")
+    for sentence in document["unreviewed"]:
+        say(f"wheelhouse: {sentence}")
+    if options.strict and document["unreviewed"]:
+        raise BackendError(f"{len(document['unreviewed'])} findings are not reviewed")
 
 
 def arguments() -> argparse.Namespace:
@@ -71,6 +78,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--wheel", type=Path, help="qRobot's own wheel: by default it is built")
     parser.add_argument("--dest", type=Path, default=ROOT / "build" / "wheelhouse")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument("--strict", action="store_true",
+                        help="fail at instructions that nobody has reviewed")  # fmt: skip
     return parser.parse_args()
 
 
@@ -163,6 +172,15 @@ def describe(
         "files": [asdict(file) for file in files],
         "installed_mb": round(installed * BYTECODE / 1e6),
     }
+
+
+def unreviewed_on_a_pi(files: list[File], store: Store) -> list[str]:
+    """Return a sentence for each kind of instruction that a Pi 4 lacks and nobody has reviewed."""
+    if store.target.machine != "aarch64":
+        return []
+    paths = [store.files / file.name for file in files]
+    found = instructions.scan(paths, store.folder / "instructions.json")
+    return instructions.unreviewed(found, instructions.reviews())
 
 
 def unpacked(path: Path) -> int:

@@ -152,6 +152,11 @@ def test_the_daily_checks_run_in_a_sandbox_and_are_shown(
     # Nobody started the service: provisioning itself has, so there are metrics from the first hour.
     shown = machine.root("systemctl show --property Result --value qrobot-health.service")
     assert shown.strip() == "success"
+    limits = "--property MemoryMax --property OOMScoreAdjust --property OOMPolicy"
+    told = machine.root(f"systemctl show {limits} qrobot-health.service").split()
+    held = dict(line.split("=") for line in told)
+    assert (held["OOMScoreAdjust"], held["OOMPolicy"]) == ("500", "continue")
+    assert int(held["MemoryMax"]) > 0  # bytes, not "infinity"
     modes = machine.root("stat -c '%a %U %n' /var/lib/qrobot-health/*").splitlines()
     assert {"report.json", "report.html", "qrobot.prom"} <= {m.rsplit("/", 1)[1] for m in modes}
     assert {m.rsplit(" ", 1)[0] for m in modes} == {"644 qrobot"}
@@ -233,6 +238,9 @@ def test_reset_wants_a_word_of_the_owner(machine: Machine, provisioned: Run) -> 
 
 @pytest.fixture
 def was_reset(machine: Machine, provisioned: Run) -> Run:
+    machine.root("mkdir /srv/victim && echo kept >/srv/victim/kept")
+    for link in ("/var/lib/qrobot/to-folder", "/var/lib/qrobot-health/to-folder"):
+        machine.root(f"runuser --user=qrobot -- ln -s /srv/victim {link}")
     return machine.playbook("reset.yml", reset_confirm="robot", reset_hardening=True)
 
 
@@ -245,6 +253,7 @@ def test_reset(machine: Machine, was_reset: Run) -> None:
         line.split()[0] for line in left.splitlines()
     }
     assert "qrobot" not in machine.root("cat /etc/passwd")
+    assert machine.root("cat /srv/victim/kept").strip() == "kept"
     cmdline = machine.root("cat /boot/firmware/cmdline.txt")
     assert cmdline == machine.boot["cmdline.txt"].decode()
     assert machine.root("cat /boot/firmware/config.txt") == machine.boot["config.txt"].decode()

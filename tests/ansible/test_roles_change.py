@@ -162,6 +162,22 @@ def test_half_a_key_is_refused(machine: Machine, provisioned: tuple[Run, Watch])
     assert "one is missing: give both or none" in done.text
 
 
+def test_a_link_in_the_home_leads_root_nowhere(
+    machine: Machine, secrets: Path, provisioned: tuple[Run, Watch]
+) -> None:
+    home, victim = "/var/lib/qrobot", "/srv/victim"
+    machine.root(f"mkdir {victim} && mv {home}/.aws {home}/.kept")
+    machine.root(f"runuser --user=qrobot -- ln -s {victim} {home}/.aws")
+    try:
+        done = machine.playbook("credentials.yml", "-e", f"@{secrets}")
+        assert done.code != 0
+        assert f"{home}/.aws is a link, and qRobot follows none below {home}" in done.why()
+        seen = machine.root(f"stat -c '%a %U' {victim}; ls -A {victim}")
+        assert seen.strip() == "755 root"
+    finally:
+        machine.root(f"rm {home}/.aws && mv {home}/.kept {home}/.aws && rmdir {victim}")
+
+
 @pytest.mark.parametrize(
     ("version", "edits", "says"),
     [

@@ -32,7 +32,7 @@ RETURN = r"""
 machine:
   description: C(arch), C(model), C(os), C(release), C(codename), C(python), C(kernel),
     C(memory_mb), C(free_mb), C(time) (seconds since 1970), C(firmware), C(systemd),
-    C(dpkg_broken), C(apt_lists), C(swap_managed), C(uid).
+    C(dpkg_broken), C(apt_lists), C(swap_managed), C(swap_file), C(uid).
   returned: always
   type: dict
 """
@@ -44,6 +44,12 @@ import time
 from pathlib import Path
 
 from ansible.module_utils.basic import AnsibleModule
+
+# Raspberry Pi OS trixie and the package zram-tools have compressed swap of their own.
+SWAP_MANAGED = (
+    "/usr/lib/systemd/system-generators/rpi-swap-generator",
+    "/usr/lib/systemd/system/zramswap.service",
+)
 
 
 def _text(path):
@@ -123,7 +129,8 @@ def main():
             "systemd": Path("/run/systemd/system").is_dir(),
             "dpkg_broken": _dpkg_broken(),
             "apt_lists": any(Path("/var/lib/apt/lists").glob("*_Packages*")),
-            "swap_managed": Path("/usr/lib/systemd/system-generators/rpi-swap-generator").exists(),
+            "swap_managed": any(map(os.path.exists, SWAP_MANAGED)),
+            "swap_file": os.path.exists("/usr/lib/systemd/system/dphys-swapfile.service"),
             "uid": os.geteuid(),
         },
     )

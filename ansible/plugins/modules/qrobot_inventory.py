@@ -65,6 +65,7 @@ MANAGED = (
     "/etc/ssh/sshd_config.d/10-qrobot.conf",
     "/etc/systemd/journald.conf.d/qrobot.conf",
     "/etc/systemd/system.conf.d/qrobot-watchdog.conf",
+    "/etc/systemd/system/dphys-swapfile.service.d/qrobot.conf",
     "/etc/systemd/system/qrobot-desktop.service",
     "/etc/systemd/system/qrobot-health.service",
     "/etc/systemd/system/qrobot-health.timer",
