@@ -45,6 +45,12 @@ def command() -> None:
 @click.option("--wifi-country", metavar="DE", help="Where the robot works.")
 @click.option("--wifi-hidden", is_flag=True, help="The Wi-Fi does not tell its name.")
 @click.option("--wifi-passphrase-file", type=FILE, help="Read it from a file, or -.")
+@click.option(
+    "--wifi-plain",
+    is_flag=True,
+    help="Write the passphrase itself: for access points with WPA2 and WPA3.",
+)
+@click.option("--wifi-wpa3", is_flag=True, help="The same, for those with WPA3 only.")
 @click.option("--timezone", metavar="ZONE", help="Such as Europe/Berlin.")
 @click.option("--locale", metavar="NAME", help="Such as de_DE.UTF-8.")
 @click.option("--keyboard", metavar="LAYOUT", help="Such as de.")
@@ -57,7 +63,8 @@ def seed_(
     dest: str, release: str, hostname: str, user: str, key_files: tuple[str, ...],
     ask_password: bool, password_file: str | None, wifi_ssid: str | None,
     wifi_country: str | None, wifi_hidden: bool, wifi_passphrase_file: str | None,
-    timezone: str | None, locale: str | None, keyboard: str | None, static_address: str | None,
+    wifi_plain: bool, wifi_wpa3: bool, timezone: str | None, locale: str | None,
+    keyboard: str | None, static_address: str | None,
     gateway: str | None, dns: tuple[str, ...], force: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Tell a fresh card who the robot is, who may log in and which Wi-Fi it joins.
@@ -65,7 +72,8 @@ def seed_(
     DEST is the boot partition of a card that Raspberry Pi OS was written to, where it is
     mounted; or any folder. The account has no password unless one is asked for, and only keys
     log in over SSH. Neither the password nor the Wi-Fi's passphrase is written, only what is
-    derived from it; both come from a prompt or a file, never from the command line.
+    derived from it (but see --wifi-plain); both come from a prompt or a file, never from the
+    command line.
 
     Exit code 0: all files are there, 2: bad input, or a file holds other settings and would be
     replaced (see --force), 3: a password cannot be hashed on this machine.
@@ -80,9 +88,11 @@ def seed_(
     from dataclasses import replace
 
     from qrobot.image import (
+        Security,
         Seed,
         StaticAddress,
         Wifi,
+        checked_passphrase,
         password_hash,
         seed_files,
         wifi_key,
@@ -96,13 +106,17 @@ def seed_(
         ("--wifi-country", wifi_country, "--wifi-ssid", wifi_ssid),
         ("--wifi-hidden", wifi_hidden or None, "--wifi-ssid", wifi_ssid),
         ("--wifi-passphrase-file", wifi_passphrase_file, "--wifi-ssid", wifi_ssid),
+        ("--wifi-plain", wifi_plain or None, "--wifi-ssid", wifi_ssid),
+        ("--wifi-wpa3", wifi_wpa3 or None, "--wifi-ssid", wifi_ssid),
         ("--wifi-ssid", wifi_ssid, "--wifi-country", wifi_country),
     ):
         _together(option, value, other, needed)
     # What is wrong is told before anything is asked: the key of the Wi-Fi comes later.
     wifi = None
     if wifi_ssid is not None and wifi_country is not None:
-        wifi = Wifi(wifi_ssid, "0" * 64, wifi_country, wifi_hidden)
+        security: Security = "wpa3" if wifi_wpa3 else "mixed" if wifi_plain else "wpa2"
+        unknown = "0" * (64 if security == "wpa2" else 8)
+        wifi = Wifi(wifi_ssid, unknown, wifi_country, wifi_hidden, security)
     seed = Seed(
         hostname,
         user,
@@ -117,7 +131,10 @@ def seed_(
     if wifi:
         option = "--wifi-passphrase-file"
         passphrase = _secret(wifi_passphrase_file, f"Passphrase of {wifi.ssid!a}", option)
-        wifi = replace(wifi, key=wifi_key(wifi.ssid, passphrase, field=option))
+        key = wifi_key(wifi.ssid, passphrase, field=option)
+        if wifi.security != "wpa2":
+            key = checked_passphrase(passphrase, field=option)
+        wifi = replace(wifi, key=key)
     password = None
     if ask_password or password_file is not None:
         option = "--password-file"

@@ -7,15 +7,17 @@ the boot partition. Secrets are hashed before they reach a file.
 
 from qrobot.image.card import Written, write_card
 from qrobot.image.keys import public_keys
-from qrobot.image.secrets import password_hash, wifi_key
-from qrobot.image.seed import RELEASES, Seed, StaticAddress, Wifi, seed_files
+from qrobot.image.secrets import checked_passphrase, password_hash, wifi_key
+from qrobot.image.seed import RELEASES, Security, Seed, StaticAddress, Wifi, seed_files
 
 __all__ = [
     "RELEASES",
+    "Security",
     "Seed",
     "StaticAddress",
     "Wifi",
     "Written",
+    "checked_passphrase",
     "password_hash",
     "public_keys",
     "seed_files",

@@ -6,11 +6,12 @@ calls ``imager_custom``; ``sshswitch`` looks for ``ssh``) and userconf-pi (``use
 
 from __future__ import annotations
 
+import re
 import uuid
 
 from qrobot.errors import InputError
 from qrobot.image.model import Seed, Wifi
-from qrobot.image.quoting import keyfile_ssid, quoted
+from qrobot.image.quoting import keyfile_ssid, keyfile_text, quoted
 
 __all__ = ["KEYFILE", "NAMES", "files"]
 
@@ -39,6 +40,8 @@ def files(seed: Seed) -> dict[str, str]:
                 field=option,
                 mend=f"leave it out: {mend}",
             )
+    if seed.wifi is not None:
+        _check_wifi(seed.wifi)
     texts = {"ssh": ""}
     if seed.password is not None:
         texts["userconf.txt"] = f"{seed.user}:{seed.password}\n"
@@ -46,6 +49,23 @@ def files(seed: Seed) -> dict[str, str]:
         texts[KEYFILE] = _keyfile(seed.wifi)
     texts["custom.toml"] = _toml(seed)
     return texts
+
+
+def _check_wifi(wifi: Wifi) -> None:
+    """Refuse what the first boot would write into its keyfile in another way."""
+    if wifi.security == "wpa3":
+        raise InputError(
+            "is not known to the first boot of bookworm",
+            field="--wifi-wpa3",
+            mend="use --wifi-plain, which speaks WPA2 and WPA3",
+        )
+    # It copies a passphrase as it is, as an argument and into a keyfile, where these mean more.
+    if wifi.security == "mixed" and re.search(r"^[- ]| $|\\", wifi.key):
+        raise InputError(
+            "has a backslash, or a space or hyphen at an end, which bookworm does not copy whole",
+            field="--wifi-passphrase-file",
+            mend="leave --wifi-plain out, or change the passphrase",
+        )
 
 
 def _toml(seed: Seed) -> str:
@@ -74,7 +94,7 @@ def _toml(seed: Seed) -> str:
             "[wlan]",
             f"ssid = {quoted(keyfile_ssid(seed.wifi.ssid))}",
             f"password = {quoted(seed.wifi.key)}",
-            "password_encrypted = true",
+            f"password_encrypted = {'true' if seed.wifi.security == 'wpa2' else 'false'}",
             f"hidden = {'true' if seed.wifi.hidden else 'false'}",
             f"country = {quoted(seed.wifi.country)}",
         ]
@@ -104,7 +124,7 @@ hidden={"true" if wifi.hidden else "false"}
 
 [wifi-security]
 key-mgmt=wpa-psk
-psk={wifi.key}
+psk={keyfile_text(wifi.key)}
 
 [ipv4]
 method=auto

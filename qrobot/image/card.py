@@ -68,7 +68,7 @@ def write_card(
     place = Path(folder)
     if not place.is_dir():
         raise InputError(
-            f"{os.fspath(folder)!r} is no folder",
+            f"{os.fspath(folder)!r} is not a folder",
             field="DEST",
             mend="give the folder where the boot partition is mounted, such as /media/me/bootfs",
         )
@@ -173,7 +173,7 @@ def _warnings(place: Path, release: str) -> list[str]:
     command_line = _read(place / "cmdline.txt")
     if command_line is None and not (place / "config.txt").exists():
         found.append(
-            f"{place} has no config.txt and no cmdline.txt: it is no boot partition of a Pi"
+            f"{place} has no config.txt and no cmdline.txt: it is not the boot partition of a Pi"
         )
     elif (_image(place) or release) != release:
         other = "bookworm" if release == "trixie" else "trixie"

@@ -39,7 +39,7 @@ def host_name(text: str) -> str:
         raise _refused(
             text,
             "--hostname",
-            "is no host name",
+            "is not a host name",
             "give 1 to 63 letters, digits and hyphens, with no hyphen at either end",
         )
     if text.lower() == "localhost" or text.isdigit():
@@ -53,7 +53,7 @@ def user_name(text: str) -> str:
         raise _refused(
             text,
             "--user",
-            "is no name that Raspberry Pi OS takes",
+            "is not a name that Raspberry Pi OS takes",
             "give up to 32 small letters, digits and hyphens, beginning with a letter",
         )
     if text in _TAKEN.split():
@@ -66,7 +66,7 @@ def country_code(text: str) -> str:
     code = text.upper()
     if code not in _ISO_3166.split():
         mend = "give GB" if code == "UK" else "give the two letters of ISO 3166, such as DE"
-        raise _refused(text, "--wifi-country", "is no code of a country", mend)
+        raise _refused(text, "--wifi-country", "is not the code of a country", mend)
     return code
 
 
@@ -74,11 +74,14 @@ def ssid(text: str) -> str:
     """Return the name of a Wi-Fi: 1 to 32 bytes."""
     try:
         size = len(text.encode())
-    except UnicodeEncodeError:  # bytes of an argument that are no UTF-8
+    except UnicodeEncodeError:  # bytes of an argument that are not UTF-8
         size = 0
     if not 1 <= size <= 32 or "\0" in text:
         raise _refused(
-            text, "--wifi-ssid", "is no name of a Wi-Fi", "give 1 to 32 bytes of UTF-8 without NUL"
+            text,
+            "--wifi-ssid",
+            "is not the name of a Wi-Fi",
+            "give 1 to 32 bytes of UTF-8 without NUL",
         )
     return text
 
@@ -89,7 +92,7 @@ def time_zone(text: str) -> str:
     form = re.fullmatch(r"[A-Za-z][A-Za-z0-9_+-]*(/[A-Za-z0-9_+-]+){0,2}", text)
     # Debian's list has two that are none: a link to the machine's own, and a placeholder.
     if not form or text in ("localtime", "Factory") or (known and text not in known):
-        raise _refused(text, "--timezone", "is no time zone", "give one such as Europe/Berlin")
+        raise _refused(text, "--timezone", "is not a time zone", "give one such as Europe/Berlin")
     return text
 
 
@@ -97,7 +100,7 @@ def locale_name(text: str) -> str:
     """Return a locale of UTF-8."""
     if not re.fullmatch(r"(C|[a-z]{2,3}_[A-Z]{2})\.UTF-8(@[a-z]+)?", text):
         raise _refused(
-            text, "--locale", "is no locale of UTF-8", "give one such as de_DE.UTF-8 or C.UTF-8"
+            text, "--locale", "is not a locale of UTF-8", "give one such as de_DE.UTF-8 or C.UTF-8"
         )
     return text
 
@@ -105,7 +108,7 @@ def locale_name(text: str) -> str:
 def keyboard(text: str) -> str:
     """Return the layout of a keyboard, as XKB calls it."""
     if not re.fullmatch(r"[a-z]{2,12}", text):
-        raise _refused(text, "--keyboard", "is no layout", "give one such as de, gb or us")
+        raise _refused(text, "--keyboard", "is not a layout", "give one such as de, gb or us")
     return text
 
 

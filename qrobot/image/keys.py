@@ -63,7 +63,7 @@ def _checked(line: str, source: str) -> str:
     try:
         fault = _fault(kind, base64.b64decode(body, validate=True))
     except ValueError:  # no base64, or cut off
-        fault = "a line that is no public key"
+        fault = "a line that is not a public key"
     if fault:
         raise InputError(f"holds {fault}", source=source, field="--key", mend=_MAKE)
     # The comment is no part of the key; what a first boot does with other characters is unknown.
@@ -77,7 +77,7 @@ def _fault(kind: str, blob: bytes) -> str | None:
         return "a DSA key, which servers refuse today"
     inside, *parts = _parts(blob)
     if inside != kind.encode():
-        return "a line that is no public key"
+        return "a line that is not a public key"
     if kind in _ON_SECURITY_KEYS:
         kind, parts = _ON_SECURITY_KEYS[kind], parts[:-1]  # the last is the application
     if kind not in _KINDS:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-import ipaddress
 import re
 from dataclasses import dataclass
+from typing import Literal
 
 from qrobot.errors import InputError
 from qrobot.image import checks
+from qrobot.image.addresses import StaticAddress
+from qrobot.image.secrets import checked_passphrase
 
-__all__ = ["Seed", "StaticAddress", "Wifi"]
+__all__ = ["Security", "Seed", "StaticAddress", "Wifi"]
+
+
+Security = Literal["wpa2", "mixed", "wpa3"]
+"""How a robot proves that it may join a Wi-Fi."""
 
 
 @dataclass(frozen=True)
@@ -21,11 +27,15 @@ class Wifi:
     ssid
         Name of the network, 1 to 32 bytes of UTF-8.
     key
-        64 hexadecimal digits, as `wifi_key` derives them.
+        For ``wpa2`` 64 hexadecimal digits, as `wifi_key` derives them; for the others the
+        passphrase itself, 8 to 63 printable characters of ASCII.
     country
         Where the robot works (ISO 3166): it decides which channels may be used.
     hidden
         The network does not tell its name.
+    security
+        ``wpa2``: by the derived key (PSK); ``mixed``: by WPA2 or WPA3, as the access point likes;
+        ``wpa3``: by WPA3 only. WPA3 (SAE) cannot be done with a derived key.
 
     Raises
     ------
@@ -37,85 +47,24 @@ class Wifi:
     key: str
     country: str
     hidden: bool = False
+    security: Security = "wpa2"
 
     def __post_init__(self) -> None:
         checks.ssid(self.ssid)
         object.__setattr__(self, "country", checks.country_code(self.country))
-        if not re.fullmatch(r"[0-9a-f]{64}", self.key):
-            raise InputError("is no derived key", field="key", mend="derive it with wifi_key()")
+        if self.security == "wpa2":
+            if not re.fullmatch(r"[0-9a-f]{64}", self.key):
+                raise InputError(
+                    "is not a derived key", field="key", mend="derive it with wifi_key()"
+                )
+        else:
+            checked_passphrase(self.key, field="key")
 
     def __repr__(self) -> str:
-        return f"Wifi({self.ssid!r}, country={self.country!r}, hidden={self.hidden})"
-
-
-@dataclass(frozen=True)
-class StaticAddress:
-    """An address that does not come from the network's DHCP server.
-
-    Parameters
-    ----------
-    address
-        With the length of the network's prefix: ``192.168.1.20/24`` or of IPv6.
-    gateway
-        The router, in the same network; none where the robot stays inside.
-    dns
-        Name servers.
-
-    Raises
-    ------
-    InputError
-        When a text is no such address, or the router is out of reach.
-    """
-
-    address: str
-    gateway: str | None = None
-    dns: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        try:
-            own = ipaddress.ip_interface(self.address)
-            if "/" not in self.address:
-                raise ValueError
-        except ValueError:
-            raise InputError(
-                f"{self.address!a} is no address with a prefix",
-                field="--static-address",
-                mend="give one such as 192.168.1.20/24",
-            ) from None
-        # A prefix of 31 or 32 (127, 128) has no address of the network itself.
-        ends = []
-        if own.network.num_addresses > 2:
-            ends = [own.network.network_address]
-            ends += [own.network.broadcast_address] if own.version == 4 else []
-        if own.is_loopback or own.is_multicast or own.is_unspecified:
-            raise InputError(
-                f"{self.address!a} is no address of one machine on a network",
-                field="--static-address",
-                mend="give one such as 192.168.1.20/24",
-            )
-        if own.ip in ends:
-            raise InputError(
-                f"{self.address!a} is the address of a whole network",
-                field="--static-address",
-                mend="give the one of the robot",
-            )
-        for option, text in [("--gateway", self.gateway), *(("--dns", one) for one in self.dns)]:
-            if text is None:
-                continue
-            try:
-                other = ipaddress.ip_address(text)
-            except ValueError:
-                raise InputError(
-                    f"{text!a} is no address", field=option, mend="give one such as 192.168.1.1"
-                ) from None
-            if option == "--gateway" and (
-                other not in own.network or other == own.ip or other in ends
-            ):
-                raise InputError(
-                    f"{text!a} is no other machine of the network {own.network}",
-                    field=option,
-                    mend="give the address of the router",
-                )
+        return (
+            f"Wifi({self.ssid!r}, country={self.country!r}, hidden={self.hidden},"
+            f" security={self.security!r})"
+        )
 
 
 @dataclass(frozen=True)
@@ -163,7 +112,9 @@ class Seed:
                 "there is no key, and nobody could log in", field="--key", mend="give a public key"
             )
         if self.password is not None and not re.fullmatch(r"\$[!-9;-~]+", self.password):
-            raise InputError("is no hash", field="password", mend="make one with password_hash()")
+            raise InputError(
+                "is not a hash", field="password", mend="make one with password_hash()"
+            )
         if self.timezone is not None:
             checks.time_zone(self.timezone)
         if self.locale is not None:

@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-__all__ = ["Value", "keyfile_ssid", "netplan_ssid", "quoted", "yaml_text"]
+__all__ = ["Value", "keyfile_ssid", "keyfile_text", "netplan_ssid", "quoted", "yaml_text"]
 
 Value = str | int | bool | Sequence["Value"] | Mapping[str, "Value"]
 """What `yaml_text` writes."""
@@ -73,6 +73,14 @@ def keyfile_ssid(ssid: str) -> str:
     be escaped, and it cannot be taken for the option of a program that passes it on.
     """
     return ssid if _PLAIN_SSID.fullmatch(ssid) else _bytes_of(ssid)
+
+
+def keyfile_text(text: str) -> str:
+    r"""Return a text as GLib's keyfiles hold it: backslashes and the spaces at its ends escaped."""
+    inner = text.strip(" ")
+    before, _, after = text.partition(inner) if inner else (text, "", "")
+    escaped = inner.replace("\\", "\\\\")
+    return before.replace(" ", r"\s") + escaped + after.replace(" ", r"\s")
 
 
 def netplan_ssid(ssid: str) -> str:

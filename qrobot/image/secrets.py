@@ -9,12 +9,30 @@ import subprocess
 
 from qrobot.errors import BackendError, InputError
 
-__all__ = ["password_hash", "wifi_key"]
+__all__ = ["checked_passphrase", "password_hash", "wifi_key"]
 
 SHORTEST = 8
 """Characters that a password must have at least."""
 
 _HASH = re.compile(r"\$(y|6)\$[./0-9A-Za-z$]+")
+
+
+def checked_passphrase(text: str, *, field: str = "passphrase") -> str:
+    """Return a passphrase of WPA (IEEE 802.11-2020, annex J.4.1).
+
+    Raises
+    ------
+    InputError
+        When it has another form, or is a derived key, which cannot be turned back; its text is
+        not told.
+    """
+    return _passphrase(text, field, "give 8 to 63 characters of ASCII")
+
+
+def _passphrase(text: str, field: str, mend: str) -> str:
+    if not (8 <= len(text) <= 63 and all(" " <= one <= "~" for one in text)):
+        raise InputError("is not a passphrase of WPA", field=field, mend=mend)
+    return text
 
 
 def wifi_key(ssid: str, passphrase: str, *, field: str = "passphrase") -> str:
@@ -40,12 +58,7 @@ def wifi_key(ssid: str, passphrase: str, *, field: str = "passphrase") -> str:
     """
     if re.fullmatch(r"[0-9A-Fa-f]{64}", passphrase):
         return passphrase.lower()
-    if not (8 <= len(passphrase) <= 63 and all(" " <= one <= "~" for one in passphrase)):
-        raise InputError(
-            "is no passphrase of WPA",
-            field=field,
-            mend="give 8 to 63 characters of ASCII, or 64 hexadecimal digits",
-        )
+    _passphrase(passphrase, field, "give 8 to 63 characters of ASCII, or 64 hexadecimal digits")
     return hashlib.pbkdf2_hmac("sha1", passphrase.encode(), ssid.encode(), 4096, 32).hex()
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from qrobot.errors import InputError
 from qrobot.image import bookworm, trixie
-from qrobot.image.model import Seed, StaticAddress, Wifi
+from qrobot.image.model import Security, Seed, StaticAddress, Wifi
 
-__all__ = ["RELEASES", "Seed", "StaticAddress", "Wifi", "seed_files"]
+__all__ = ["RELEASES", "Security", "Seed", "StaticAddress", "Wifi", "seed_files"]
 
 RELEASES = {"trixie": trixie.files, "bookworm": bookworm.files}
 """Releases of Raspberry Pi OS, and who writes their files."""
@@ -22,7 +22,7 @@ def seed_files(seed: Seed, release: str = "trixie") -> dict[str, str]:
     """
     if release not in RELEASES:
         raise InputError(
-            f"{release!a} is no release that is known",
+            f"{release!a} is not a release that is known",
             field="--release",
             mend=f"use one of: {', '.join(RELEASES)}",
         )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import ipaddress
 
-from qrobot.image.model import Seed
+from qrobot.image.model import Seed, Wifi
 from qrobot.image.quoting import Value, netplan_ssid, yaml_text
 
 __all__ = ["NAMES", "files", "instance_id"]
@@ -96,7 +96,7 @@ def _network(seed: Seed) -> dict[str, Value]:
     network: dict[str, Value] = {"version": 2, "ethernets": {"eth0": cable}}
     static = cable
     if seed.wifi:
-        point: dict[str, Value] = {"password": seed.wifi.key}
+        point: dict[str, Value] = _secret(seed.wifi)
         if seed.wifi.hidden:
             point["hidden"] = True
         static = {
@@ -116,3 +116,15 @@ def _network(seed: Seed) -> dict[str, Value]:
         if seed.address.dns:
             static["nameservers"] = {"addresses": seed.address.dns}
     return network
+
+
+def _secret(wifi: Wifi) -> dict[str, Value]:
+    """Return how an access point is joined.
+
+    A password alone means WPA2 or WPA3 to netplan, and a derived key is of no use for WPA3: with
+    one, the kind is told.
+    """
+    if wifi.security == "mixed":
+        return {"password": wifi.key}
+    management = "sae" if wifi.security == "wpa3" else "psk"
+    return {"auth": {"key-management": management, "password": wifi.key}}

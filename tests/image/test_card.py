@@ -149,7 +149,7 @@ def test_nothing_is_written_when_a_later_file_cannot_be(card: Path) -> None:
 
 def test_a_folder_that_is_no_card_is_told_and_written(tmp_path: Path) -> None:
     done = write_card(tmp_path, TEXTS, "trixie")
-    assert "no boot partition" in done.warnings[0]
+    assert "not the boot partition" in done.warnings[0]
     assert len(done.changed) == 3
 
 
@@ -162,7 +162,7 @@ def test_an_identity_on_the_command_line_is_told(card: Path) -> None:
 @pytest.mark.parametrize("place", ["missing", "file"])
 def test_no_folder_is_refused(place: str, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match="is no folder"):
+    with pytest.raises(InputError, match="is not a folder"):
         write_card(tmp_path / place, TEXTS, "trixie")
 
 

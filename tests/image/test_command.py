@@ -93,6 +93,29 @@ def test_secrets_are_derived_and_in_no_output(release: str, desk: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--wifi-plain"], {"password": PASSPHRASE}),
+        (["--wifi-wpa3"], {"auth": {"key-management": "sae", "password": PASSPHRASE}}),
+    ],
+)
+def test_wpa3_gets_the_passphrase_itself(
+    words: list[str], told: dict[str, object], desk: Path
+) -> None:
+    wifi = ["--wifi-ssid", "Warehouse", "--wifi-country", "de", "--wifi-passphrase-file", "secret"]
+    done = run(desk, *WHO, *wifi, *words)
+    assert done.returncode == 0, done.stderr
+    assert PASSPHRASE not in done.stdout + done.stderr
+    yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
+    network = yaml.safe_load((desk / "card/network-config").read_text())["network"]
+    assert network["wifis"]["wlan0"]["access-points"] == {"Warehouse": told}
+    (desk / "secret").write_text("0" * 64 + "\n")
+    refused = run(desk, *WHO, *wifi, *words, "--force")
+    assert refused.returncode == 2
+    assert "--wifi-passphrase-file: is not a passphrase" in refused.stderr
+
+
+@pytest.mark.parametrize(
     ("words", "says"),
     [
         (["--hostname", "a_b"], "--hostname"),
@@ -106,6 +129,10 @@ def test_secrets_are_derived_and_in_no_output(release: str, desk: Path) -> None:
         (["--wifi-ssid", "x"], "give --wifi-country too"),
         (["--wifi-country", "DE"], "give --wifi-ssid too"),
         (["--wifi-hidden"], "give --wifi-ssid too"),
+        (["--wifi-plain"], "give --wifi-ssid too"),
+        (["--wifi-wpa3"], "give --wifi-ssid too"),
+        (["--static-address", "10.0.0.5/0.0.0.255"], "give 10.0.0.5/24"),
+        (["--static-address", "10.0.0.5/24", "--dns", "224.0.0.251"], "--dns"),
         (["--wifi-ssid", "", "--wifi-country", "DE"], "--wifi-ssid"),
         (["--wifi-ssid", "x", "--wifi-country", "DE"], "--wifi-passphrase-file"),
         (["--wifi-ssid", "x", "--wifi-country", "DE", "--wifi-passphrase-file", "card"], "card"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from typing import Any
 
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from image.made import HOSTILE, name_of_keyfile
 
-from qrobot.image.quoting import keyfile_ssid, netplan_ssid, quoted, yaml_text
+from qrobot.image.quoting import keyfile_ssid, keyfile_text, netplan_ssid, quoted, yaml_text
 
 yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
 
@@ -57,3 +58,12 @@ def test_netplan_gets_nothing_that_it_would_escape(ssid: str) -> None:
     written = netplan_ssid(ssid)
     assert not set(written) & set('"\\\n\t\x7f')
     assert name_of_keyfile(written) == ssid.encode()
+
+
+@given(st.text(st.sampled_from([*" \\\\sntr;#='a", "é"])))
+def test_a_keyfile_holds_a_text(text: str) -> None:
+    """Read back by GLib's rules: blanks at the front are skipped, a backslash escapes."""
+    written = keyfile_text(text)
+    assert written.strip() == written
+    meaning = {"s": " ", "n": "\n", "t": "\t", "r": "\r", "\\": "\\"}
+    assert re.sub(r"\\(.)", lambda found: meaning[found[1]], written) == text

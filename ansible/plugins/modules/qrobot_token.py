@@ -10,7 +10,9 @@ description:
   - The token is made on the robot and never returned, so no log of Ansible has it.
 options:
   path:
-    description: The file; an existing one with 32 characters or more is left, its mode is mended.
+    description:
+      - The file. It is left, but for its mode, where it holds one line with a token of 32 or more
+        letters, digits and C(._~+/=@:-), at least 8 of them different.
     type: path
     required: true
   variable:
@@ -30,10 +32,24 @@ EXAMPLES = r"""
 RETURN = r"""#"""
 
 import os
+import re
 import secrets
 from pathlib import Path
 
 from ansible.module_utils.basic import AnsibleModule
+
+
+STRONG = re.compile(r"[A-Za-z0-9._~+/=@:-]{32,}")
+
+
+def holds_token(text, name):
+    """Return whether the file is one line with a strong token.
+
+    systemd takes quotes, comments and a second line that overrides the first: all of them may
+    leave less of a token than there are characters.
+    """
+    given, line = text.removesuffix("\n").partition(name)[::2]
+    return not given and bool(STRONG.fullmatch(line)) and len(set(line)) >= 8
 
 
 def main():
@@ -46,8 +62,8 @@ def main():
     )
     name = module.params["variable"] + "="
     path = Path(module.params["path"])
-    text = path.read_text(encoding="utf-8", errors="replace").strip() if path.is_file() else ""
-    present = text.startswith(name) and len(text) >= len(name) + 32
+    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    present = holds_token(text, name)
     closed = present and path.stat().st_mode & 0o777 == 0o600
     if not module.check_mode:
         if not present:
