@@ -27,7 +27,7 @@ pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
 # What says more with the SDKs installed than without.
 comma = ,
 image-packages = buildah skopeo mmdebstrap arch-test debian-archive-keyring docker.io iptables qemu-user-static binfmt-support
-stack-tests = tests/pages tests/gates tests/gates_sdk tests/remote tests/backends tests/report/test_reproduce.py tests/cli \
+stack-tests = tests/pages tests/gate tests/stacks tests/jobs tests/backends tests/study/test_reproduce.py tests/cli \
   tests/health/test_answers.py tests/health/test_notebooks.py tests/health/test_profiles.py
 # Which robots: a folder or file; make virtual-pi says the one of the virtual Pi. LIMIT=robot is one of them.
 INVENTORY ?= ansible/inventory

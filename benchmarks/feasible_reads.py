@@ -28,7 +28,7 @@ from outputs import write
 
 import qrobot
 from qrobot.backends import registry
-from qrobot.backends.dwave_qpu import DWaveQPUSampler
+from qrobot.backends.dwave.qpu import DWaveQPUSampler
 
 BACKENDS = ("neal", "tabu", "descent", "dwave-qpu", "qaoa-swap", "qaoa-grover")
 

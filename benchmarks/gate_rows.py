@@ -23,17 +23,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from outputs import write
 
-from qrobot.backends.gates import (
-    DiagonalQAOA,
-    Form,
-    GateRow,
-    grover_row,
-    one_hot_row,
-    penalty_row,
-    subspace_row,
-)
-from qrobot.report.reproduce.instances import paper_instance as paper_row
-from qrobot.report.reproduce.instances import penalty_model
+from qrobot.backends.gate import DiagonalQAOA, Form
+from qrobot.study.reproduce.instances import paper_instance as paper_row
+from qrobot.study.reproduce.instances import penalty_model
+from qrobot.study.reproduce.row import GateRow
+from qrobot.study.reproduce.rows import grover_row, one_hot_row, penalty_row, subspace_row
 
 FIELDS = (
     ("method", "method", "{}"),

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from qrobot.report.bench_faces import bench_markdown
+from qrobot.study.bench_faces import bench_markdown
 
 HEAD = """# Benchmarks
 

@@ -22,7 +22,7 @@ import numpy as np
 from gates_sdk.pickings import table2_model
 from outputs import write
 
-from qrobot.backends.pennylane import PennyLaneVQE
+from qrobot.backends.pennylane.sampler import PennyLaneVQE
 
 
 def measure(items: int, steps: int, ansatz: str, layers: int, alpha: float) -> dict[str, float]:

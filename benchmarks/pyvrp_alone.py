@@ -19,8 +19,8 @@ from outputs import write
 from pyvrp.stop import MaxRuntime
 
 from qrobot.problem.formats import read
-from qrobot.report.bench import BENCH_SCHEMA, Task, find_instances, tasks
 from qrobot.report.machine import machine
+from qrobot.study.bench import BENCH_SCHEMA, Task, find_instances, tasks
 
 
 def solve(task: Task) -> dict[str, Any]:

@@ -33,9 +33,9 @@ import dimod
 import numpy as np
 from outputs import write
 
-from qrobot.backends.gates.engine import make_engine
-from qrobot.backends.gates.form import Form, diagonal
-from qrobot.backends.gates.memory import pair
+from qrobot.backends.gate.form import Form, diagonal
+from qrobot.backends.gate.memory import pair
+from qrobot.backends.gate.state.engine import make_engine
 
 GAMMA, BETA = 0.1, -0.4
 DTYPES = {"double": np.float64, "single": np.float32}

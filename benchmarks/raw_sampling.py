@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 from outputs import write
 
-from qrobot.backends.neal import NealSampler
+from qrobot.backends.annealing.neal import NealSampler
 from qrobot.models import PickingModel, build_model
 from qrobot.problem import (
     AisleWarehouse,

@@ -29,7 +29,7 @@ from gates_sdk.pickings import shortest, table2, table2_model
 from outputs import write
 
 from qrobot.backends import get
-from qrobot.backends.gates.form import bits_of
+from qrobot.backends.gate.form import bits_of
 
 READS = 2000
 

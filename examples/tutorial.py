@@ -135,7 +135,7 @@ assert report.optimal_fraction > 0
 # sign: here x = (1 - z) / 2, so that state |1> is x = 1, while dimod's spin is s = 2x - 1.
 
 # %%
-from qrobot.backends.qiskit import sparse_pauli_op
+from qrobot.backends.qiskit.sampler import sparse_pauli_op
 
 hamiltonian = sparse_pauli_op(model.bqm)
 print(hamiltonian.num_qubits, "qubits,", len(hamiltonian), "terms")

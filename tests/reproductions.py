@@ -13,9 +13,9 @@ import numpy as np
 
 from qrobot.models import PickingModel
 from qrobot.problem import Instance
-from qrobot.report.reproduce.methods import METHODS
-from qrobot.report.reproduce.outcome import Line
-from qrobot.report.reproduce.paper import PaperRow, paper_rows
+from qrobot.study.reproduce.methods import METHODS
+from qrobot.study.reproduce.outcome import Line
+from qrobot.study.reproduce.paper import PaperRow, paper_rows
 
 __all__ = ["blank", "done", "every_read", "row_of", "shortest"]
 

@@ -8,6 +8,7 @@ import importlib.metadata
 import re
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -25,40 +26,20 @@ HEAVY = {
     "qiskit", "scipy", "tensorflow",
 }  # fmt: skip
 
-FLOORS = [
-    "problem",
-    "plan",
-    "models",
-    "remote",
-    "backends",
-    "planning",
-    "report",
-    "health",
-    "image",
-    "cli",
-]
-MAY_IMPORT = {
-    "problem": set(),
-    "plan": {"problem"},
-    "models": {"problem"},
-    "remote": set(),
-    "backends": {"problem", "models", "remote"},
-    "planning": {"problem", "plan", "models", "backends", "remote"},
-    "report": {"problem", "plan", "models", "backends", "planning"},
-    "health": {"problem", "remote"},
-    "image": set(),
-    "cli": {
-        "problem",
-        "plan",
-        "models",
-        "remote",
-        "backends",
-        "planning",
-        "report",
-        "health",
-        "image",
-    },
-}
+
+def rooms() -> dict[str, set[str]]:
+    """Return for each room of docs/architecture.md, from the bottom up, what it may import."""
+    page = (ROOT / "docs/architecture.md").read_text()
+    rows = re.findall(r"^\| `qrobot/(\w+)/` \|.*\| ([^|]+) \|$", page, re.MULTILINE)
+    return {
+        room: set() if allowed.startswith("nothing") else set(allowed.split(", "))
+        for room, allowed in rows
+    }
+
+
+MAY_IMPORT = rooms()
+FLOORS = list(MAY_IMPORT)
+LONGEST = 400
 
 
 def loaded_by(statement: str) -> set[str]:
@@ -109,6 +90,46 @@ def test_arrows_go_down_only(room: str) -> None:
             parts = module.split(".")
             if parts[0] == "qrobot" and len(parts) > 1 and parts[1] in FLOORS:
                 assert parts[1] == room or parts[1] in MAY_IMPORT[room], f"{path}: {module}"
+
+
+def test_the_table_names_every_room_once_and_from_the_bottom_up() -> None:
+    folders = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").is_file()}
+    assert set(FLOORS) == folders
+    for room, allowed in MAY_IMPORT.items():
+        assert allowed <= set(FLOORS[: FLOORS.index(room)]), room
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    files = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts): path
+        for path in PACKAGE.rglob("*.py")
+        if path.name != "__init__.py"  # a door imports its room, which imports by the door's name
+    }
+    graph = {
+        name: {m for m in imported_on_top(ast.parse(path.read_text())) if m in files}
+        for name, path in files.items()
+    }
+    TopologicalSorter(graph).prepare()  # raises CycleError, with the cycle
+
+
+def test_modules_are_short_and_the_path_is_left_alone() -> None:
+    folders = ("qrobot", "docker", "locks", "healthchecks")
+    for path in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
+        text = path.read_text()
+        assert text.count("\n") <= LONGEST, path
+        touched = re.search(r"^\s*sys\.path(\[|\.(insert|append|extend))", text, re.MULTILINE)
+        assert not touched, path
+
+
+def imported_on_top(tree: ast.Module) -> set[str]:
+    """Return the modules that a module imports when it is imported itself."""
+    found: set[str] = set()
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return found
 
 
 def imported_at_run_time(tree: ast.AST) -> list[str]:

@@ -252,7 +252,7 @@ class Machine:
         """A later version whose exact solver cannot be imported."""
 
         def spoil(name: str, data: bytes) -> bytes:
-            if name != "qrobot/backends/exact/__init__.py":
+            if name != "qrobot/backends/classical/exact/__init__.py":
                 return data
             return b"raise ImportError('planted: this wheel is broken')\n"
 

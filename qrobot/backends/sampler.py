@@ -12,8 +12,8 @@ import numpy as np
 from qrobot._parameters import Parameter, near
 from qrobot.backends.base import Capabilities
 from qrobot.errors import InputError
-from qrobot.remote import Estimate
-from qrobot.remote.cost import FREE
+from qrobot.jobs import Estimate
+from qrobot.jobs.cost import FREE
 
 __all__ = [
     "COMMON",

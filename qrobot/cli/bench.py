@@ -57,10 +57,10 @@ def command(
     from qrobot.cli.signals import terminate_as_interrupt
     from qrobot.errors import InputError
     from qrobot.planning import DEFAULT_DEADLINE
-    from qrobot.report.bench import BenchRow, find_instances, run_bench, tasks
-    from qrobot.report.bench_faces import bench_csv, bench_markdown, bench_plot
     from qrobot.report.outputs import check_outputs
     from qrobot.report.picture import check_picture_path
+    from qrobot.study.bench import BenchRow, find_instances, run_bench, tasks
+    from qrobot.study.bench_faces import bench_csv, bench_markdown, bench_plot
 
     if seeds < 1:
         raise InputError(f"{seeds} seeds are too few", field="--seeds", mend="give 1 or more")

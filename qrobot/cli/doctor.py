@@ -25,8 +25,8 @@ def command(as_json: bool) -> None:
       qrobot doctor
       qrobot doctor --json
     """
-    from qrobot.remote.inventory import inventory, inventory_text
-    from qrobot.remote.redaction import redact
+    from qrobot.health.inventory import inventory, inventory_text
+    from qrobot.jobs.redaction import redact
 
     data = inventory()
     text = json_text(data, indent=1) if as_json else inventory_text(data)

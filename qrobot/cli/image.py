@@ -87,7 +87,7 @@ def seed_(
     """
     from dataclasses import replace
 
-    from qrobot.image import (
+    from qrobot.card import (
         Security,
         Seed,
         StaticAddress,
@@ -180,8 +180,8 @@ def _together(option: str, value: object, other: str, needed: object) -> None:
 
 def _keys(paths: tuple[str, ...]) -> list[str]:
     """Return the keys of the files, or of the first usual file that is there."""
+    from qrobot.card import public_keys
     from qrobot.errors import InputError
-    from qrobot.image import public_keys
 
     if not paths:
         folder = Path.home() / ".ssh"

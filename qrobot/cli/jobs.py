@@ -38,8 +38,9 @@ def command() -> None:
 def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) -> None:
     """List jobs, the newest first."""
     from qrobot.backends import get
-    from qrobot.remote import JobStore, refresh_all
-    from qrobot.remote.text import jobs_table
+    from qrobot.backends.jobs import refresh_all
+    from qrobot.jobs import JobStore
+    from qrobot.jobs.text import jobs_table
 
     with JobStore() as store:
         jobs = store.list(None if refresh else state, backend)
@@ -62,8 +63,9 @@ def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> Non
     """Fetch the samples of a JOB that is done, by its id or the beginning of it."""
     from qrobot._files import write_text_atomic
     from qrobot.backends import get
-    from qrobot.remote import JobStore, fetch
-    from qrobot.remote.text import samples_report, samples_text
+    from qrobot.backends.jobs import fetch
+    from qrobot.jobs import JobStore
+    from qrobot.jobs.text import samples_report, samples_text
     from qrobot.report.outputs import check_outputs
 
     check_outputs([path for path in (output, plan) if path])
@@ -93,7 +95,8 @@ def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> Non
 def cancel_(job: str) -> None:
     """Ask the service to drop a JOB that is not over."""
     from qrobot.backends import get
-    from qrobot.remote import JobStore, cancel
+    from qrobot.backends.jobs import cancel
+    from qrobot.jobs import JobStore
 
     with JobStore() as store:
         dropped = cancel(job, store, get)
@@ -106,7 +109,7 @@ def cancel_(job: str) -> None:
 def forget_(days: float) -> None:
     """Forget jobs that are over, and their answers; jobs that may still run are kept."""
     from qrobot.errors import InputError
-    from qrobot.remote import JobStore
+    from qrobot.jobs import JobStore
 
     if not 0 <= days < float("inf"):
         raise InputError(

@@ -107,7 +107,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:
     if debug:
-        from qrobot.remote.redaction import redact
+        from qrobot.jobs.redaction import redact
 
         # The chain of an error may quote a service, and a service may quote a token.
         say(redact("".join(traceback.format_exception(error))), err=True, end="")

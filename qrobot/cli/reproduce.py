@@ -12,7 +12,7 @@ from qrobot.cli.options import FILE, written
 from qrobot.cli.streams import say, say_json
 
 if TYPE_CHECKING:
-    from qrobot.report.reproduce.outcome import Line
+    from qrobot.study.reproduce.outcome import Line
 
 __all__ = ["command"]
 
@@ -63,9 +63,9 @@ def command(
     # with more it spins, ten times slower beside other work.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from qrobot.cli.signals import terminate_as_interrupt
-    from qrobot.report.reproduce import Settings, reproduce
-    from qrobot.report.reproduce.docs import check_page, fill_page
-    from qrobot.report.reproduce.told import figure_text, line_text, place_text, summary
+    from qrobot.study.reproduce import Settings, reproduce
+    from qrobot.study.reproduce.docs import check_page, fill_page
+    from qrobot.study.reproduce.told import figure_text, line_text, place_text, summary
 
     def tell(line: Line) -> None:
         say(line_text(line), err=True)

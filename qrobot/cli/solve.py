@@ -225,8 +225,8 @@ def _only(
     as_json: bool,
 ) -> None:
     """Tell the cost, or hand the job over, and leave."""
+    from qrobot.jobs import check_budget
     from qrobot.planning import estimate, submit
-    from qrobot.remote import check_budget
 
     if dry_run:
         cost = estimate(question, backend, seed=seed, max_work=max_work, **options)

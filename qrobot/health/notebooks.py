@@ -181,7 +181,7 @@ def _run(check: Check, folder: Path, limits: Limits) -> tuple[CheckResult, Input
 
 
 def _judge(check: Check, notebook: Any, session: Session, see: str) -> CheckResult:
-    from qrobot.remote.redaction import redact
+    from qrobot.jobs.redaction import redact
 
     told = _verdict(check, notebook)
     answer, expected = (tuple(map(float, told.get(key, ()))) for key in ("answer", "expected"))

@@ -70,7 +70,7 @@ def environment(folder: Path, seen: Mapping[str, str] = os.environ) -> dict[str,
 
 def _is_secret(variable: str) -> bool:
     """Return whether a variable may hold a credential; a proxy's address may have a password."""
-    from qrobot.remote.redaction import SECRET_VARIABLE  # here: the other processes need it not
+    from qrobot.jobs.redaction import SECRET_VARIABLE  # here: the other processes need it not
 
     name = variable.upper()
     return name.startswith(CLOUDS) or name.endswith("_PROXY") or bool(SECRET_VARIABLE.search(name))

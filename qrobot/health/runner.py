@@ -155,7 +155,7 @@ def _result(
     message: str,
     told: dict[str, Any] | None = None,
 ) -> CheckResult:
-    from qrobot.remote.redaction import redact  # here: the processes of the checks need it not
+    from qrobot.jobs.redaction import redact  # here: the processes of the checks need it not
 
     told = told or {}
     answer, expected = told.get("answer"), told.get("expected")

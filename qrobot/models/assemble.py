@@ -14,14 +14,14 @@ import dimod
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.models.layout import Bools, Layout
+from qrobot._arrays import Bools, Floats
+from qrobot.models.layout import Layout
 from qrobot.models.penalties import Penalties
 from qrobot.models.potentials import Potentials
 from qrobot.problem import Instance
 
 __all__ = ["assemble"]
 
-Floats = npt.NDArray[np.float64]
 
 BLOCK = 1_000_000
 """Entries of one block of rows: 8 MB a temporary array."""

@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from qrobot._arrays import Bools
 from qrobot.models.fleet import Fleet, fleet_of, limits_of
-from qrobot.models.layout import Bools, Layout, check_size, layered
+from qrobot.models.layout import Layout, check_size, layered
 from qrobot.models.slack import Slack, slack_coefficients
 from qrobot.problem import Instance
 

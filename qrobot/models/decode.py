@@ -10,13 +10,12 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Bits, Bools
 from qrobot.models.layout import Layout
 from qrobot.problem import Instance
 
 __all__ = ["Decoded", "Reads", "Violation", "bits_of", "decode_row", "decode_rows"]
 
-Bits = npt.NDArray[np.int8]
-Bools = npt.NDArray[np.bool_]
 
 CELLS = 20_000_000
 """Grid cells that are judged at a time: 20 MB."""

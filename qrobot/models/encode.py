@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from qrobot._arrays import Bits
 from qrobot.errors import InputError
 from qrobot.models.compact import anchors
 from qrobot.models.layout import Layout
@@ -14,8 +14,6 @@ from qrobot.models.slack import slack_bits
 from qrobot.problem import Instance
 
 __all__ = ["encode_routes"]
-
-Bits = npt.NDArray[np.int8]
 
 
 def encode_routes(

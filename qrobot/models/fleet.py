@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Ints
 from qrobot.errors import InfeasibleError
 from qrobot.problem import Instance
 
 __all__ = ["Fleet", "Limits", "fleet_of", "limits_of"]
-
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,11 +14,11 @@ import dimod
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Floats, Ints
+
 __all__ = ["Convention", "Ising", "to_ising"]
 
 Convention = Literal["annealer", "gate"]
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

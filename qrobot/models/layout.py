@@ -9,14 +9,13 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Bools, Ints
 from qrobot.errors import InputError
 from qrobot.models.fleet import Fleet
 from qrobot.models.penalties import Encoding
 
 __all__ = ["MAX_VARIABLES", "Layout", "layered"]
 
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 MAX_VARIABLES = 5_000
 """Larger models are refused: up to 12 million couplings, 400 MB."""

@@ -12,13 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.problem import Instance
 
 __all__ = ["Potentials", "potentials_of"]
 
-Floats = npt.NDArray[np.float64]
 
 NEAREST = 3
 """Neighbours whose mean distance estimates the ways at an item."""

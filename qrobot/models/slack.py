@@ -12,12 +12,12 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
+
+from qrobot._arrays import Ints
 
 __all__ = ["Slack", "slack_bits", "slack_coefficients"]
 
 Slack = Literal["exact", "paper"]
-Ints = npt.NDArray[np.int64]
 
 
 def slack_coefficients(room: int, kind: Slack = "exact") -> Ints:

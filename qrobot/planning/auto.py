@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from qrobot.backends import Planner, Stop, available, get
-from qrobot.backends.exact import ExactPlanner, no_packing, pack
-from qrobot.backends.exact.partition import MAX_ELEMENTS
+from qrobot.backends.classical.exact import ExactPlanner, no_packing, pack
+from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
 from qrobot.planning.bounding import begin_bound, bound_from_below, share_of, time_to_search
 from qrobot.planning.crew import Crew, spare_cores
 from qrobot.planning.run import Run

@@ -11,8 +11,8 @@ import math
 import time
 
 from qrobot.backends import Stop
-from qrobot.backends.exact import ExactPlanner
-from qrobot.backends.exact.partition import MAX_ELEMENTS
+from qrobot.backends.classical.exact import ExactPlanner
+from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
 from qrobot.plan import Plan, check
 from qrobot.planning.bounds import forest_bound, load_steps, quick_bound, walk_bound
 from qrobot.planning.run import Run

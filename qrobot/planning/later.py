@@ -6,8 +6,11 @@ from typing import Any
 
 from qrobot._files import StrPath
 from qrobot.backends import Planner, Stop, get
+from qrobot.backends.jobs import fetch
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InfeasibleError, InputError
+from qrobot.jobs import Estimate, JobStore, with_retries
+from qrobot.jobs.cost import FREE
 from qrobot.models import build_model
 from qrobot.planning.arguments import check_arguments, check_options
 from qrobot.planning.bounding import bound_from_below
@@ -20,8 +23,6 @@ from qrobot.planning.solving import DEFAULT_DEADLINE, result_of
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 from qrobot.problem.formats.native import parse_native
-from qrobot.remote import Estimate, JobStore, fetch, with_retries
-from qrobot.remote.cost import FREE
 
 __all__ = ["collect", "estimate", "submit"]
 

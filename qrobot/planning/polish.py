@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from qrobot.backends import Routes, Stop
-from qrobot.backends.batching import Yard, begin, polished
+from qrobot.backends.classical.batching import Yard, begin, polished
 from qrobot.problem import Instance
 
 __all__ = ["POLISH_ROUNDS", "random_routes", "repair_and_polish"]

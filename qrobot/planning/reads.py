@@ -13,12 +13,12 @@ import numpy as np
 from qrobot.backends import Stop
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError, QRobotError
+from qrobot.jobs import redact, timing_fields
 from qrobot.models import Penalties, PickingModel
 from qrobot.planning.arguments import MODEL_OPTIONS, check_options
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 from qrobot.problem.formats.native_writer import to_text
-from qrobot.remote import redact, timing_fields
 
 __all__ = ["AFTERWARDS", "parameters_of", "split_options", "take_reads"]
 

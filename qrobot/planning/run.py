@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.backends import Planner, Routes, Search, Stop
 from qrobot.errors import BackendError, QRobotError
 from qrobot.planning.result import SamplerReport, Timing
@@ -19,7 +19,6 @@ from qrobot.problem import Instance
 
 __all__ = ["Progress", "Run", "plan_fits"]
 
-Lengths = npt.NDArray[np.float64]
 
 TIE = 1e-11
 """Relative: distances closer than this are equal, and the fewer trips win."""
@@ -83,7 +82,7 @@ class Run:
         self.work: dict[str, int] = {}
         self.timing = Timing()
         self.sampler: SamplerReport | None = None
-        self.reads: tuple[Lengths, Lengths | None] | None = None
+        self.reads: tuple[Floats, Floats | None] | None = None
         self.notes: list[str] = list(instance.notes)
         self._listener = listener
         self._begun = time.perf_counter()

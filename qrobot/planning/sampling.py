@@ -10,6 +10,7 @@ import numpy as np
 from qrobot.backends import Routes, Stop
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError
+from qrobot.jobs import plain, redact_data
 from qrobot.models import PickingModel, build_model
 from qrobot.planning.polish import random_routes, repair_and_polish
 from qrobot.planning.reads import split_options
@@ -17,7 +18,6 @@ from qrobot.planning.result import SamplerReport
 from qrobot.planning.rounds import sample_in_rounds
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
-from qrobot.remote import plain, redact_data
 
 __all__ = ["build", "run_sampler", "use_reads"]
 

@@ -13,13 +13,13 @@ from qrobot.plan import Plan, check
 from qrobot.planning.arguments import check_arguments, check_options
 from qrobot.planning.auto import run_auto
 from qrobot.planning.bounding import begin_bound, bound_from_below, time_to_search
+from qrobot.planning.fallback import run_with_fallback
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.interrupts import graceful_interrupts
 from qrobot.planning.result import Ending, Result, SamplerReport
 from qrobot.planning.run import TIE, Progress, Run
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
-from qrobot.remote import run_with_fallback
 
 __all__ = ["DEFAULT_DEADLINE", "result_of", "solve"]
 

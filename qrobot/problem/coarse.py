@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
+
+from qrobot._arrays import Floats
 
 __all__ = ["coarse"]
 
-Floats = npt.NDArray[np.float64]
 
 SMALL = 10.0
 """Largest distances below this lose a twentieth or more to whole numbers."""

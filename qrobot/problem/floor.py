@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem.checks import check_coordinate
 from qrobot.problem.places import Place, Point
 
 __all__ = ["OpenFloor"]
-
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

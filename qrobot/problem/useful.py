@@ -14,11 +14,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.problem.insertion import insert_orders
 
 __all__ = ["outlying", "useful_limit"]
 
-Floats = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 PASSES = 3

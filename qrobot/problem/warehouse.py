@@ -11,9 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-import numpy as np
-import numpy.typing as npt
-
+from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem.aisles import AisleGraph
 from qrobot.problem.checks import check_count, check_index, check_length
@@ -23,7 +21,6 @@ from qrobot.problem.table import DistanceTable
 
 __all__ = ["AisleWarehouse", "DistanceTable", "Node", "OpenFloor", "Place", "Point", "Slot"]
 
-Floats = npt.NDArray[np.float64]
 
 MAX_CROSSINGS = 4_000
 """Larger layouts are refused: the ways between all crossings alone would take 128 MB."""

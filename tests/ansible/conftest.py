@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from collector_house import House, python_with_pip
 from machine import CACHE, PLAYBOOKS, RELEASE, Machine, Run, why_not
 

@@ -11,7 +11,6 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parent))
 from release_house import PLUGINS, load, program
 
 ANSIBLE = PLUGINS.parent

@@ -18,7 +18,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parent))
 from release_house import load, lock, wheel
 
 STEPS = ("replace", "rename", "unlink", "rmdir", "mkdir", "symlink", "fsync", "sync")

@@ -24,7 +24,6 @@ PROGRAM = (
 
 def load() -> ModuleType:
     """The module of the releases; it imports nothing of Ansible."""
-    sys.path.insert(0, str(PLUGINS / "module_utils"))
     return importlib.import_module("qrobot_release")
 
 

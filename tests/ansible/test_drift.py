@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from fleet_house import ANSIBLE, DEAD, LOCAL, play, robot
 from release_house import program
 

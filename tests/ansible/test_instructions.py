@@ -16,16 +16,13 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "ansible/controller"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docker"))
 import a64
 import control
 import elf
 import instruction_probe
 import instructions
+import numpy as np
+import pytest
 
 from qrobot.errors import InputError
 

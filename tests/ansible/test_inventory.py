@@ -6,11 +6,9 @@ import hashlib
 import json
 import platform
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parent))
 from fleet_house import ANSIBLE, LOCAL, play, robot
 
 

@@ -17,8 +17,6 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from fleet_house import ANSIBLE, LOCAL, play
 from release_house import PLUGINS
 

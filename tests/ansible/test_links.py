@@ -20,8 +20,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from fleet_house import ANSIBLE, LOCAL, play
 
 yaml = pytest.importorskip("yaml")

@@ -16,8 +16,6 @@ import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-
-sys.path.insert(0, str(Path(__file__).parent))
 from release_house import PROGRAM, entry, load, lock, uv, wheel
 
 release = load()

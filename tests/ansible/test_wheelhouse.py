@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import re
 import socket
-import sys
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from collector_house import House, digest, pin, simple, wheel
 
 TARGETS = [("3.11", "aarch64"), ("3.13", "aarch64"), ("3.11", "x86_64"), ("3.13", "x86_64")]

@@ -7,7 +7,6 @@ import io
 import json
 import os
 import signal
-import sys
 import tarfile
 import threading
 import zipfile
@@ -16,10 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from processes import HANG
-
-sys.path.insert(0, str(Path(__file__).parent))
 from collector_house import ROOT, House, built_by, digest, pin, simple
+from processes import HANG
 
 
 class Slow(http.server.SimpleHTTPRequestHandler):

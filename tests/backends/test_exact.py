@@ -14,9 +14,9 @@ from oracles import least_distance, paper_shaped
 from strategies import instances
 
 from qrobot.backends import Stop
-from qrobot.backends.exact import ExactPlanner, pack
-from qrobot.backends.exact.partition import best_split
-from qrobot.backends.exact.subsets import count_subsets, fitting_subsets, shortest_tours
+from qrobot.backends.classical.exact import ExactPlanner, pack
+from qrobot.backends.classical.exact.partition import best_split
+from qrobot.backends.classical.exact.subsets import count_subsets, fitting_subsets, shortest_tours
 from qrobot.errors import BackendError
 from qrobot.planning.run import plan_fits
 from qrobot.problem import DistanceTable, Instance, Item, Node, Order, Robot
@@ -48,7 +48,7 @@ def test_set_partition_agrees_with_the_subset_programme(
     pytest.importorskip("ortools")
     instance = paper_shaped(9, 3, seed)
     by_subsets = ExactPlanner().search(instance, stop=Stop())
-    monkeypatch.setattr("qrobot.backends.exact.planner.MAX_ELEMENTS", 0)
+    monkeypatch.setattr("qrobot.backends.classical.exact.planner.MAX_ELEMENTS", 0)
     by_cover = ExactPlanner().search(instance, stop=Stop())
     assert by_subsets.routes is not None
     assert by_cover.routes is not None
@@ -68,7 +68,7 @@ def test_set_partition_respects_different_robots(monkeypatch: pytest.MonkeyPatch
     sizes = (total // 2, total // 3, -(-total // 4))
     fleet = tuple(Robot(f"R{k}", Fraction(size)) for k, size in enumerate(sizes))
     instance = replace(instance, robots=fleet)
-    monkeypatch.setattr("qrobot.backends.exact.planner.MAX_ELEMENTS", 0)
+    monkeypatch.setattr("qrobot.backends.classical.exact.planner.MAX_ELEMENTS", 0)
     found = ExactPlanner().search(instance, stop=Stop())
     expected = least_distance(instance)
     if expected is None:

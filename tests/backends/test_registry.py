@@ -64,7 +64,9 @@ def test_unknown_names_are_told_what_there_is() -> None:
 
 def test_a_missing_extra_names_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(
-        registry.BUILTIN, "pyvrp", ("qrobot.backends.pyvrp", "PyVRPPlanner", "no_such_module")
+        registry.BUILTIN,
+        "pyvrp",
+        ("qrobot.backends.classical.pyvrp", "PyVRPPlanner", "no_such_module"),
     )
     with pytest.raises(qrobot.MissingExtraError, match=r"pip install 'qrobot\[planners\]'"):
         get("pyvrp")

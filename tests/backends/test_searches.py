@@ -14,7 +14,7 @@ from oracles import least_distance, paper_shaped
 from strategies import instances
 
 from qrobot.backends import Planner, Stop, get
-from qrobot.backends.batching import improve_tour, tour_length
+from qrobot.backends.classical.batching import improve_tour, tour_length
 from qrobot.backends.testing import PlannerConformance
 from qrobot.errors import BackendError
 from qrobot.planning.run import plan_fits

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 from health.planted import CREDENTIALS, Plant, planter
-from remote.homeless import homeless
+from jobs.homeless import homeless
 
 from qrobot.health import Limits, all_checks, run
 

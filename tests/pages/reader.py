@@ -11,7 +11,7 @@ import sys
 import types
 from pathlib import Path
 
-from image.made import KEY
+from card.made import KEY
 from pages.blocks import ROOT
 from pages.commands import extras_of_the_package
 

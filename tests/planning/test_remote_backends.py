@@ -16,9 +16,9 @@ from processes import HANG
 import qrobot
 from qrobot.backends import registry
 from qrobot.cli import main
+from qrobot.jobs import JobStore
 from qrobot.models import Penalties
 from qrobot.planning import collect, estimate, submit
-from qrobot.remote import JobStore
 
 NAME = "file-service"
 
@@ -86,7 +86,7 @@ def test_a_fallback_is_local_and_both_failures_are_told(
         qrobot.solve(instance, backend="neal", fallback=NAME)
     monkeypatch.setitem(registry.BUILTIN, "moon", ("moon.base", "Moon", "moon"))
     monkeypatch.setattr(
-        "qrobot.backends.neal.NealSampler.sample", lambda *_, **__: 1 / 0, raising=True
+        "qrobot.backends.annealing.neal.NealSampler.sample", lambda *_, **__: 1 / 0, raising=True
     )
     with pytest.raises(qrobot.BackendError, match=r"moon failed .* and so did the fallback neal"):
         qrobot.solve(instance, backend="moon", fallback="neal")
@@ -255,7 +255,7 @@ def test_names_and_weights_survive_the_job_store(instance: qrobot.Instance) -> N
 def test_an_estimate_is_of_the_job_that_would_be_sent(
     instance: qrobot.Instance, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from remote.file_sampler import FileSampler
+    from jobs.file_sampler import FileSampler
 
     asked: list[dict] = []
     real = FileSampler.estimate

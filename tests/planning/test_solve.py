@@ -264,7 +264,7 @@ def test_bad_arguments_name_the_field(arguments: dict[str, object], field: str) 
 
 
 def test_a_crashing_backend_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    from qrobot.backends.exact import ExactPlanner
+    from qrobot.backends.classical.exact import ExactPlanner
 
     def crash(*_: object, **__: object) -> None:
         raise RuntimeError("boom")
@@ -276,7 +276,7 @@ def test_a_crashing_backend_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_a_plan_that_breaks_the_rules_is_never_returned(monkeypatch: pytest.MonkeyPatch) -> None:
     from qrobot.backends import Search
-    from qrobot.backends.exact import ExactPlanner
+    from qrobot.backends.classical.exact import ExactPlanner
 
     monkeypatch.setattr(
         ExactPlanner, "search", lambda *_, **__: Search(routes=[[1], [1, 2]], optimal=True)
@@ -329,7 +329,7 @@ def test_the_diagonal_of_a_table_is_no_way() -> None:
 
 
 def test_a_later_step_that_fails_does_not_cost_the_plan(monkeypatch: pytest.MonkeyPatch) -> None:
-    from qrobot.backends.exact import ExactPlanner
+    from qrobot.backends.classical.exact import ExactPlanner
 
     def crash(*_: object, **__: object) -> None:
         raise MemoryError("boom")

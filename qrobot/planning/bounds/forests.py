@@ -13,12 +13,12 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.planning.bounds.quick import fewest_trips, most_trips, quick_bound
 from qrobot.problem import Instance
 
 __all__ = ["forest_bound"]
 
-Floats = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 BETWEEN_LOOKS = 50

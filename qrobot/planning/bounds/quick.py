@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.problem import Instance
 
 __all__ = [
@@ -17,7 +18,6 @@ __all__ = [
     "shortest_ways",
 ]
 
-Floats = npt.NDArray[np.float64]
 
 MAX_SHORTCUTS = 700
 """Stops beyond which nobody looks for all shorter ways over third places."""

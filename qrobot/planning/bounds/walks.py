@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.planning.bounds.quick import fewest_trips, most_trips, quick_bound, shortest_ways
 from qrobot.problem import Instance
 
 __all__ = ["walk_bound"]
 
-Floats = npt.NDArray[np.float64]
 
 MIN_LOAD_STEPS, MAX_LOAD_STEPS = 8, 250
 """Loads are rounded down to at most this many steps; fewer steps, weaker bound."""

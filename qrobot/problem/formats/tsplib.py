@@ -11,14 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem.units import NUMBER
 
 __all__ = ["Field", "Section", "Tsplib", "parse"]
 
-Floats = npt.NDArray[np.float64]
 
 _KEYWORD = re.compile(r"[A-Za-z][A-Za-z0-9_ -]*")
 _ONLY_NUMBERS = re.compile(r"[0-9eE+\-.\s]*")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem import DistanceTable, Node, OpenFloor, Place, Point, Warehouse
 from qrobot.problem.checks import MAX_LENGTH
@@ -22,8 +22,6 @@ from qrobot.problem.formats.weights import (
 )
 
 __all__ = ["Places", "places_of"]
-
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.problem.checks import MAX_LENGTH
 from qrobot.problem.formats.tsplib import Section
 
 __all__ = ["LAYOUTS", "METRICS", "ROUNDINGS", "geographical", "pseudo_euclidean", "square_matrix"]
 
-Floats = npt.NDArray[np.float64]
 
 LAYOUTS = {
     "FULL_MATRIX": ("", 0),

@@ -1,0 +1,1 @@
+"""Annealers and descents that run on this machine."""

@@ -1,0 +1,1 @@
+"""Amazon Braket: the local simulator and managed devices."""

@@ -1,0 +1,1 @@
+"""Classical methods: exact programmes, batching of whole orders, PyVRP."""

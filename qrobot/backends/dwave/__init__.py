@@ -1,0 +1,1 @@
+"""D-Wave: the annealer and the hybrid solvers of Leap."""

@@ -1,0 +1,248 @@
+"""The constraint-preserving ansätze as circuits: start states, phases and mixers.
+
+For one robot everything is polynomial in n: the uniform superposition of all tours takes
+n (n - 1) controlled swaps a row, an exchange of two steps n controlled swaps and one ancilla.
+For several robots, capacity couples everything; there the circuits rotate between the bit
+strings of the enumerated plans one by one, which is exact and fit for tiny cases only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations, pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot._arrays import Floats
+from qrobot.backends.gate.circuit import Circuit, Gate
+from qrobot.backends.gate.feasible import FeasibleSet, slack_label, x_label
+from qrobot.backends.gate.mixers import OneHotMixer, transpositions
+from qrobot.errors import InputError
+from qrobot.models.slack import Slack, slack_coefficients
+
+__all__ = ["one_hot_circuit", "subspace_circuit", "two_level"]
+
+
+def subspace_circuit(
+    feasible: FeasibleSet,
+    mixer: str,
+    gammas: Sequence[float],
+    betas: Sequence[float],
+    *,
+    slack: Slack | None = None,
+) -> Circuit:
+    """Return the circuit of `SubspaceQAOA.of(feasible, mixer)`.
+
+    Parameters
+    ----------
+    feasible
+        The plans; for several robots each costs gates of its own.
+    mixer
+        ``swap``, ``swap-all`` or ``grover``.
+    gammas, betas
+        One of each a layer.
+    slack
+        Kind of the model's slack; ``None`` leaves the slack qubits out.
+    """
+    if mixer not in ("swap", "swap-all", "grover"):
+        raise InputError(
+            f"{mixer!r} is not a mixer", field="mixer", mend="use swap, swap-all or grover"
+        )
+    instance = feasible.instance
+    n, robots = instance.size, len(feasible.capacities)
+    labels = [
+        x_label(t, i, p) for p in range(robots) for t in range(1, n + 1) for i in range(n + 1)
+    ]
+    if slack is not None:
+        for p, room in enumerate(feasible.capacities.tolist()):
+            labels += [slack_label(k, p) for k in range(len(slack_coefficients(room, slack)))]
+    ancilla = len(labels)
+    alone = robots == 1
+    if alone and mixer != "grover":
+        labels.append("ancilla")
+    at = {label: k for k, label in enumerate(labels)}
+    if alone:
+        start = _tour_start(at, n)
+        constant = feasible.assignment(0, slack) - feasible.assignment(0)
+        start += [Gate("x", (at[label],)) for label in sorted(constant)]
+    else:
+        strings = _strings(feasible, at, slack)
+        start = _explicit_start(strings)
+    gates = list(start)
+    pairs = transpositions(
+        feasible.sequences.shape[1], "all" if mixer == "swap-all" else "adjacent"
+    )
+    for gamma, beta in zip(gammas, betas, strict=True):
+        gates += _distance_phase(instance.distances, at, n, robots, gamma)
+        if mixer == "grover":
+            gates += _grover(start, ancilla, beta)
+        elif alone:
+            for a, b in pairs:
+                gates += _exchange_steps(at, n, a + 1, b + 1, ancilla, beta)
+        else:
+            for a, b in pairs:
+                gates += _exchange_plans(strings, feasible.swapped(a, b), beta)
+    return Circuit(len(labels), tuple(gates), labels=tuple(labels))
+
+
+def one_hot_circuit(
+    distances: Floats, penalty: float, gammas: Sequence[float], betas: Sequence[float]
+) -> Circuit:
+    """Return the circuit of `one_hot`: a W state and an XY ring a step, visits by penalty."""
+    n = len(distances) - 1
+    labels = tuple(x_label(t, i) for t in range(1, n + 1) for i in range(1, n + 1))
+    at = {label: k for k, label in enumerate(labels)}
+    rows = [[at[x_label(t, i)] for i in range(1, n + 1)] for t in range(1, n + 1)]
+    gates = [gate for row in rows for gate in _w_state(row)]
+    for gamma, beta in zip(gammas, betas, strict=True):
+        gates += _distance_phase(distances, at, n, 1, gamma)
+        for column in zip(*rows, strict=True):  # penalty (sum - 1)^2 = 1 - sum + 2 sum of pairs
+            gates += [Gate("phase", (q,), angle=gamma * penalty) for q in column]
+            gates += [
+                Gate("phase", (b,), angle=-2 * gamma * penalty, controls=(a,))
+                for a, b in combinations(column, 2)
+            ]
+        # The constant of the penalty is a global phase: kept, so that amplitudes are equal.
+        gates += _global_phase(rows[0][0], -gamma * penalty * n)
+        for row in rows:
+            for a, b in OneHotMixer.pairs(n):
+                u, v = row[a], row[b]
+                flip = Gate("x", (v,), controls=(u,))
+                gates += [flip, Gate("rx", (u,), angle=2 * beta, controls=(v,)), flip]
+    return Circuit(len(labels), tuple(gates), labels=labels)
+
+
+def _global_phase(qubit: int, angle: float) -> list[Gate]:
+    return 2 * [Gate("phase", (qubit,), angle=angle), Gate("x", (qubit,))]
+
+
+def _w_state(row: Sequence[int]) -> list[Gate]:
+    """Return gates that spread one excitation evenly over the qubits of a row."""
+    gates = [Gate("x", (row[0],))]
+    for k, (here, there) in enumerate(pairwise(row)):
+        keep = 1 / math.sqrt(len(row) - k)
+        gates += [
+            Gate("ry", (there,), angle=2 * math.acos(keep), controls=(here,)),
+            Gate("x", (here,), controls=(there,)),
+        ]
+    return gates
+
+
+def _tour_start(at: dict[str, int], n: int) -> list[Gate]:
+    """Return gates for the uniform superposition of all n! tours.
+
+    Item k = 1, 2, .. goes to one of the steps 1..k (a W state of its column); the item that
+    held that step moves to step k, by swaps controlled on the column.
+    """
+    gates: list[Gate] = []
+    for k in range(1, n + 1):
+        # The W state begins at step k, where the item stands if nothing moves.
+        gates += _w_state([at[x_label(t, k)] for t in range(k, 0, -1)])
+        for t in range(1, k):
+            for i in range(1, k):
+                swapped = (at[x_label(t, i)], at[x_label(k, i)])
+                gates.append(Gate("swap", swapped, controls=(at[x_label(t, k)],)))
+    return gates
+
+
+def _strings(
+    feasible: FeasibleSet, at: dict[str, int], slack: Slack | None
+) -> list[dict[int, int]]:
+    found = []
+    for index in range(feasible.size):
+        ones = feasible.assignment(index, slack)
+        found.append({k: int(label in ones) for label, k in at.items()})
+    return found
+
+
+def _explicit_start(strings: Sequence[dict[int, int]]) -> list[Gate]:
+    """Return gates for the uniform superposition of bit strings, one rotation each."""
+    first, count = strings[0], len(strings)
+    gates = [Gate("x", (q,)) for q, value in first.items() if value]
+    for k, other in enumerate(strings[1:]):
+        angle = 2 * math.asin(1 / math.sqrt(count - k))
+        gates += two_level(first, other, "ry", angle)
+    return gates
+
+
+def _distance_phase(d: Floats, at: dict[str, int], n: int, robots: int, gamma: float) -> list[Gate]:
+    """Return exp(-i gamma distance) on the variables that are there."""
+    gates: list[Gate] = []
+
+    def turn(length: float, *labels: str) -> None:
+        if length and all(label in at for label in labels):
+            last, *controls = (at[label] for label in labels)
+            gates.append(Gate("phase", (last,), angle=-gamma * length, controls=tuple(controls)))
+
+    for p in range(robots):
+        for i in range(n + 1):
+            turn(d[0, i], x_label(1, i, p))
+            turn(d[i, 0], x_label(n, i, p))
+            for t in range(1, n):
+                for j in range(n + 1):
+                    turn(d[i, j], x_label(t, i, p), x_label(t + 1, j, p))
+    return gates
+
+
+def _grover(start: Sequence[Gate], qubits: int, beta: float) -> list[Gate]:
+    """Return exp(-i beta |s><s|): undo the start, turn |0..0>, start again."""
+    back = [gate.inverse() for gate in reversed(start)]
+    flip = Gate("x", (0,))
+    others = tuple(range(1, qubits))
+    turn = Gate("phase", (0,), angle=-beta, controls=others, values=(0,) * len(others))
+    return [*back, flip, turn, flip, *start]
+
+
+def _exchange_steps(
+    at: dict[str, int], n: int, a: int, b: int, ancilla: int, beta: float
+) -> list[Gate]:
+    """Return exp(-i beta S), S exchanging two steps: the ancilla reads S, turns, and is freed."""
+    swaps = [
+        Gate("swap", (at[x_label(a, i)], at[x_label(b, i)]), controls=(ancilla,))
+        for i in range(1, n + 1)
+    ]
+    h = Gate("h", (ancilla,))
+    read = [h, *swaps, h]
+    return [*read, Gate("rz", (ancilla,), angle=2 * beta), *read]
+
+
+def _exchange_plans(
+    strings: Sequence[dict[int, int]], partner: npt.NDArray[np.intp], beta: float
+) -> list[Gate]:
+    """Return exp(-i beta S), S exchanging plans with their partners, one rotation each."""
+    gates: list[Gate] = []
+    for k, other in enumerate(partner.tolist()):
+        if k < other:
+            gates += two_level(strings[k], strings[other], "rx", 2 * beta)
+        elif k == other:
+            alone = strings[k]
+            others = tuple(q for q in alone if q != 0)
+            values = tuple(alone[q] for q in others)
+            turn = Gate("phase", (0,), angle=-beta, controls=others, values=values)
+            flip = [] if alone[0] else [Gate("x", (0,))]
+            gates += [*flip, turn, *flip]
+    return gates
+
+
+def two_level(a: Mapping[int, int], b: Mapping[int, int], name: str, angle: float) -> list[Gate]:
+    """Return gates that rotate between two basis states and leave all others alone.
+
+    Parameters
+    ----------
+    a, b
+        Value of each qubit; they differ somewhere. The rotation sees `a` as |0>, `b` as |1>.
+    name, angle
+        The rotation: ``rx`` or ``ry``.
+    """
+    differ = [q for q in a if a[q] != b[q]]
+    pivot, rest = differ[0], differ[1:]
+    # Where the pivot is as in b, flip the rest: b then differs from a in the pivot alone.
+    flips = [Gate("x", (q,), controls=(pivot,), values=(b[pivot],)) for q in rest]
+    others = tuple(q for q in a if q != pivot)
+    if name == "ry" and a[pivot] == 1:
+        angle = -angle
+    values = tuple(a[q] for q in others)
+    turn = Gate(name, (pivot,), angle=angle, controls=others, values=values)
+    return [*flips, turn, *reversed(flips)]

@@ -1,0 +1,123 @@
+"""The search for parameters: from where, by which optimiser, and how far at most."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from qrobot._arrays import Floats
+from qrobot.backends.gate.ansatz import Ansatz
+from qrobot.backends.gate.engine import Engine, StateEngine
+from qrobot.backends.gate.form import Form, diagonal
+from qrobot.backends.gate.nft import SWEEPS
+from qrobot.backends.gate.objective import ExactObjective, Objective, ShotObjective
+from qrobot.backends.gate.optimisers import GRADIENT, Found, minimise
+from qrobot.backends.gate.options import Options
+
+__all__ = ["Search"]
+
+
+SHOTS = 1000
+"""Of an evaluation on a device that has no exact probabilities."""
+
+
+class Search:
+    """A search for the parameters of an ansatz.
+
+    Parameters
+    ----------
+    algorithm
+        ``vqe`` or ``qaoa``.
+    options
+        What was asked for.
+    form, ansatz
+        The model, and its circuit.
+    seed
+        Of everything random.
+    """
+
+    def __init__(
+        self, algorithm: str, options: Options, form: Form, ansatz: Ansatz, seed: int
+    ) -> None:
+        self.algorithm, self.options, self.form, self.ansatz = algorithm, options, form, ansatz
+        streams = np.random.SeedSequence(seed).spawn(4)
+        self.starts = self._starts(np.random.default_rng(streams[0]))
+        self._shots, self._ways = streams[1], streams[2]
+        self.draw = int(streams[3].generate_state(1)[0] >> 1)
+        self.alpha = options.share(form.qubits)
+        self.optimizer = options.optimizer
+        self.energies: Floats | None = None
+
+    @property
+    def shots(self) -> int:
+        """Of an evaluation that is measured."""
+        return self.options.shots or SHOTS
+
+    def measured(self) -> int:
+        """Return the most circuits that a search on a machine without exact states runs."""
+        optimizer = self._optimizer(False, False)
+        rotations = len(self.ansatz.circuit.rotations)
+        each = 2 * rotations + 1 if optimizer in GRADIENT else 1
+        most = self._budget(optimizer)
+        if optimizer == "none" or not self.ansatz.circuit.size:
+            most = min(most, 1)
+        return len(self.starts) * most * each
+
+    def run(self, trainer: Engine) -> Found:
+        """Search on a device; afterwards `optimizer` and `energies` tell what was used.
+
+        Parameters
+        ----------
+        trainer
+            What evaluates the objective.
+        """
+        options, objective = self.options, self._objective(trainer)
+        self.optimizer = self._optimizer(
+            trainer.gradients and options.shots is None, objective.turns is not None
+        )
+        found = Found(self.starts[0])
+        for start, stream in zip(self.starts, self._ways.spawn(len(self.starts)), strict=True):
+            found.join(
+                minimise(
+                    self.optimizer,
+                    objective.value,
+                    objective.slope,
+                    start,
+                    budget=self._budget(self.optimizer),
+                    rng=np.random.default_rng(stream),
+                    turns=objective.turns if self.optimizer == "nft" else None,
+                    interrupted=options.interrupt_function or (lambda: False),
+                )
+            )
+        return found
+
+    def _objective(self, trainer: Engine) -> Objective:
+        if isinstance(trainer, StateEngine) and self.options.shots is None:
+            self.energies = diagonal(self.form)
+            return ExactObjective(trainer, self.energies, self.alpha)
+        rng = np.random.default_rng(self._shots)
+        return ShotObjective(trainer, self.form, self.alpha, self.shots, rng)
+
+    def _starts(self, rng: np.random.Generator) -> list[Floats]:
+        """Return first parameters: the given ones, or one's own for each start."""
+        options, ansatz = self.options, self.ansatz
+        given = options.first(ansatz.circuit.size)
+        count = options.starts or (1 if given is not None or self.algorithm == "qaoa" else 6)
+        if given is None:
+            return [ansatz.start(rng) for _ in range(count)]
+        return [given, *(given + rng.normal(0.0, 0.1, given.size) for _ in range(count - 1))]
+
+    def _optimizer(self, gradients: bool, turns: bool) -> str:
+        if self.options.optimizer != "auto":
+            return self.options.optimizer
+        if self.algorithm == "qaoa":
+            return "cobyla"
+        if gradients:
+            return "adam"
+        return "nft" if turns else "spsa"
+
+    def _budget(self, optimizer: str) -> int:
+        if self.options.evaluations is not None:
+            return self.options.evaluations
+        if optimizer == "nft":
+            return SWEEPS * (2 * self.ansatz.circuit.size + 1)
+        return 40 if optimizer in GRADIENT else 120

@@ -1,0 +1,271 @@
+"""The search for angles, the same for every ansatz.
+
+One layer: a guess (closed form, or a coarse grid) and a local search. Several layers: the two
+slopes of a linear ramp (gamma rises, beta falls, as in a slow change from mixer to cost;
+S. H. Sack and M. Serbyn, Quantum 5 (2021) 491), then all angles by gradients. Gammas are
+searched in units of one over the spread of the cost, so that one range suits every model.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from qrobot._arrays import Floats
+from qrobot.backends.gate.minimisers import Minimum, bfgs, nelder_mead
+from qrobot.errors import InputError
+
+__all__ = ["SHARPER", "Ansatz", "Tuning", "ramp", "sharpen", "tune"]
+
+
+SHARPER = (1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
+"""Shares of the distribution, one after the other, in `sharpen`."""
+
+
+class Ansatz(Protocol):
+    """A circuit of layers with two angles each, and what to minimise over them."""
+
+    spread: float
+    """Standard deviation of the cost in the uniform state: the unit of 1 / gamma."""
+
+    beta_range: tuple[float, float]
+    """Betas worth trying."""
+
+    alpha: float
+    """Share of the distribution whose mean is the objective."""
+
+    @property
+    def lowest(self) -> float:
+        """The least cost of any state."""
+        ...
+
+    def guess(self) -> tuple[float, float] | None:
+        """Return gamma and beta of one good layer where they are known cheaply."""
+        ...
+
+    def value(self, gammas: Floats, betas: Floats) -> float:
+        """Return the objective."""
+        ...
+
+    def gradient(self, gammas: Floats, betas: Floats) -> tuple[float, Floats, Floats]:
+        """Return the objective and its derivatives by gammas and by betas."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """Angles and how they were found.
+
+    Parameters
+    ----------
+    gammas, betas
+        One of each a layer.
+    value
+        The objective there.
+    evaluations
+        Runs of the circuit; one with gradient counts once and costs about four.
+    seconds
+        Wall-clock time of the search.
+    history
+        Best value after each evaluation.
+    """
+
+    gammas: tuple[float, ...]
+    betas: tuple[float, ...]
+    value: float
+    evaluations: int
+    seconds: float
+    history: tuple[float, ...] = field(repr=False, default=())
+
+
+def ramp(layers: int, gamma: float, beta: float) -> tuple[Floats, Floats]:
+    """Return gammas rising towards `gamma` and betas falling from `beta`, shape (layers,)."""
+    at = (np.arange(layers) + 0.5) / layers
+    return gamma * at, beta * (1 - at)
+
+
+class _Search:
+    """Evaluations of one search, counted, in units; the best is kept, whoever asked for it."""
+
+    def __init__(self, ansatz: Ansatz, layers: int, stop: Callable[[], bool] | None) -> None:
+        self.ansatz, self.layers, self.stop = ansatz, layers, stop
+        unit = 1.0 / ansatz.spread if ansatz.spread > 0 else 1.0
+        self.scale = np.concatenate([np.full(layers, unit), np.ones(layers)])
+        self.best = Minimum(np.zeros(2 * layers), float("inf"))
+
+    def value(self, point: Floats) -> float:
+        """Return the objective at gammas and betas."""
+        self._check()
+        angles = point * self.scale
+        found = self.ansatz.value(angles[: self.layers], angles[self.layers :])
+        return self.best.offer(point, found)
+
+    def slope(self, point: Floats) -> tuple[float, Floats]:
+        """Return the objective and its gradient."""
+        self._check()
+        angles = point * self.scale
+        found = self.ansatz.gradient(angles[: self.layers], angles[self.layers :])
+        self.best.offer(point, found[0])
+        return found[0], np.concatenate(found[1:]) * self.scale
+
+    def _check(self) -> None:
+        if self.stop is not None and self.stop():
+            raise _StoppedError
+
+
+class _StoppedError(Exception):
+    """Somebody asked to stop; the best so far is kept."""
+
+
+def tune(
+    ansatz: Ansatz,
+    layers: int = 1,
+    *,
+    evaluations: int = 60,
+    start: tuple[Sequence[float], Sequence[float]] | None = None,
+    gradients: bool = True,
+    stop: Callable[[], bool] | None = None,
+) -> Tuning:
+    """Search for good angles.
+
+    Parameters
+    ----------
+    ansatz
+        What to tune.
+    layers
+        Number of layers p.
+    evaluations
+        Most runs of the circuit. 0 returns the start or the guess unchecked.
+    start
+        Gammas and betas to begin with, from a smaller model or an earlier run: no grid.
+    gradients
+        Whether several layers are finished by gradients (about four runs each).
+    stop
+        Asked before every run; the best so far is returned when it says True.
+
+    Raises
+    ------
+    InputError
+        When there are no layers or the start has another number of angles.
+    """
+    if layers < 1:
+        raise InputError(f"{layers} layers are too few", field="layers", mend="use 1 or more")
+    began = time.perf_counter()
+    search = _Search(ansatz, layers, stop)
+    if start is not None and not len(start[0]) == len(start[1]) == layers:
+        raise InputError(
+            f"{len(start[0])} gammas and {len(start[1])} betas do not make {layers} layers",
+            field="gammas",
+            mend="give one of each a layer",
+        )
+    known = ansatz.guess() if start is None else None
+    if start is not None:
+        point = np.concatenate([np.asarray(one, dtype=np.float64) for one in start]) / search.scale
+    else:
+        # Without anything better: a short ramp that is sure to lower the cost a little.
+        gamma, beta = known or (0.5 / ansatz.spread if ansatz.spread > 0 else 0.5, -0.3)
+        angles = ramp(layers, 2 * gamma, 2 * beta) if layers > 1 else ([gamma], [beta])
+        point = np.concatenate(angles) / search.scale
+    try:
+        if start is None:
+            point = _first(search, known, point, evaluations)
+        left = evaluations - search.best.evaluations
+        if left > 0 and layers > 1 and gradients:
+            bfgs(search.slope, point, budget=left)
+        elif left > 0:
+            steps = np.concatenate([np.full(layers, 0.2), np.full(layers, 0.08)])
+            nelder_mead(search.value, point, steps, budget=left, tolerance=1e-2)
+    except _StoppedError:
+        pass
+    best = search.best
+    angles = (best.point if best.evaluations else point) * search.scale
+    return Tuning(
+        gammas=tuple(float(a) for a in angles[:layers]),
+        betas=tuple(float(a) for a in angles[layers:]),
+        value=best.value if best.evaluations else float("nan"),
+        evaluations=best.evaluations,
+        seconds=time.perf_counter() - began,
+        history=tuple(best.history),
+    )
+
+
+def _first(
+    search: _Search, known: tuple[float, float] | None, point: Floats, evaluations: int
+) -> Floats:
+    """Return a first point, in units: the guess, the best of a grid, or the best ramp."""
+    layers, ansatz = search.layers, search.ansatz
+    if evaluations == 0 or (known is not None and layers == 1):
+        return point
+    low, high = ansatz.beta_range
+
+    def at(slopes: Floats) -> float:
+        gammas, betas = ramp(layers, *slopes) if layers > 1 else (slopes[:1], slopes[1:])
+        return search.value(np.concatenate([gammas, betas]))
+
+    if known is not None:
+        tried = [(2 * known[0] * ansatz.spread * f, 2 * known[1]) for f in (1.0, 0.5)]
+    else:
+        tried = [(g, b) for g in (0.5, 1.0, 1.7, 2.5) for b in np.linspace(low, high, 8)[1:-1]]
+    grid = Minimum(np.zeros(2), float("inf"))
+    for one in tried[: max(1, evaluations // 2)]:
+        grid.offer(np.array(one), at(np.array(one)))
+    budget = min(16, evaluations // 4, evaluations - grid.evaluations)
+    if layers > 1 and budget > 0:
+        nelder_mead(at, grid.point, np.array([0.4, 0.2]), budget=budget)
+    return search.best.point.copy()
+
+
+def sharpen(
+    ansatz: Ansatz,
+    layers: int,
+    *,
+    evaluations: int = 60,
+    alphas: Sequence[float] = SHARPER,
+    start: tuple[Sequence[float], Sequence[float]] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Tuning:
+    """Search with ever smaller shares of the distribution, each from the angles before.
+
+    The mean leads to a good region, the tail to the optimum: with the Grover mixer this comes
+    near the bound of (2 p + 1)^2 where the mean alone stays far below. On hardware a share
+    alpha needs many times 1 / alpha shots a run; here the distribution is exact.
+
+    Parameters
+    ----------
+    ansatz
+        What to tune; its `alpha` is changed and put back.
+    layers
+        Number of layers p.
+    evaluations
+        Most runs of the circuit for each share.
+    alphas
+        Shares, falling.
+    start
+        Gammas and betas to begin with.
+    stop
+        As in `tune`.
+    """
+    before, began = ansatz.alpha, time.perf_counter()
+    best: Tuning | None = None
+    count, history = 0, []
+    for alpha in alphas:
+        ansatz.alpha = alpha
+        found = tune(ansatz, layers, evaluations=evaluations, start=start, stop=stop)
+        count += found.evaluations
+        history += list(found.history)
+        start = (found.gammas, found.betas)
+        # The optimum alone fills the share: the objective is flat and says nothing more.
+        flat = found.value - ansatz.lowest <= 1e-9 * ansatz.spread
+        if best is None or not (flat or found.evaluations == 0):
+            best = found
+        if flat or (stop is not None and stop()):
+            break
+    ansatz.alpha = before
+    assert best is not None
+    return replace(
+        best, evaluations=count, seconds=time.perf_counter() - began, history=tuple(history)
+    )

@@ -1,0 +1,1 @@
+"""PennyLane: lightning.qubit and any other device."""

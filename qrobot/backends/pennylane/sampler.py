@@ -1,0 +1,307 @@
+"""VQE and QAOA on PennyLane, by adjoint gradients on lightning.qubit or any other device.
+
+Variable k is wire n - 1 - k: PennyLane counts its first wire as the highest bit of an index.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any, ClassVar
+
+import numpy as np
+
+from qrobot._arrays import Bits, Floats
+from qrobot.backends.gate.ansatz import Ansatz
+from qrobot.backends.gate.circuit import Circuit
+from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
+from qrobot.backends.gate.ising import terms
+from qrobot.backends.gate.options import Options
+from qrobot.backends.gate.sampler import VariationalSampler
+from qrobot.backends.pennylane.remote import PluginEngine, admitted, is_local, limited
+from qrobot.backends.sampler import Parameter
+from qrobot.errors import InputError, MissingExtraError
+from qrobot.jobs import Options as Life
+
+__all__ = ["PennyLaneQAOA", "PennyLaneVQE", "hamiltonian"]
+
+
+DEFAULT = "lightning.qubit"
+ADJOINT = ("lightning.qubit", "lightning.kokkos", "lightning.gpu")
+"""Devices that derive a diagonal observable of any kind by one run forward and one back."""
+
+EXACT = (*ADJOINT, "default.qubit", "braket.local.qubit")
+"""Local devices with exact probabilities."""
+
+EXTRAS = {"braket": "edge", "qiskit": "edge", "lightning": "pennylane"}
+
+GATES = {"h": "Hadamard", "rx": "RX", "ry": "RY", "rz": "RZ", "rzz": "IsingZZ", "cz": "CZ"}
+
+
+def hamiltonian(bqm: Any) -> Any:
+    """Return a model's Ising form as a PennyLane Hamiltonian.
+
+    Parameters
+    ----------
+    bqm
+        A dimod model; wire k is the k-th variable, state 1 is x = 1 (dimod: s = +1).
+    """
+    qml = _need("PennyLane Hamiltonians")
+    words = terms(bqm)
+    made = [
+        qml.prod(*(qml.Z(q) for q in qubits))
+        if len(qubits) > 1
+        else qml.Z(qubits[0])
+        if qubits
+        else qml.Identity(0)
+        for _, qubits in words
+    ]
+    return qml.Hamiltonian([value for value, _ in words], made)
+
+
+class _Shots(Engine):
+    """Measured shots of any device."""
+
+    def __init__(self, circuit: Circuit, name: str, device: Any) -> None:
+        super().__init__(circuit)
+        self._qml = _need("backend pennylane")
+        self._device = device
+        # Braket's plugin reads observables alone: Z of each wire for the wires together.
+        self._by_wire = "braket" in name.lower()
+        self.facts = {"device": name}
+
+    def _apply(self, angles: Any) -> None:
+        last, left = self.circuit.qubits - 1, iter(angles)
+        for gate in self.circuit.gates:
+            wires = [last - q for q in gate.qubits]
+            turn = getattr(self._qml, GATES[gate.name])
+            if gate.slot >= 0:
+                turn(next(left), wires=wires)
+            else:
+                turn(wires=wires)
+
+    def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
+        """Return measured shots; a remote device cannot be seeded."""
+        self.executions += 1
+        del seed
+        qml = self._qml
+
+        def circuit() -> Any:
+            self._apply(angles)
+            if self._by_wire:
+                return [qml.sample(qml.Z(wire)) for wire in range(self.circuit.qubits)]
+            return qml.sample(wires=range(self.circuit.qubits))
+
+        def measure() -> Any:
+            node = qml.set_shots(qml.QNode(circuit, self._device, diff_method=None), shots)
+            return np.asarray(node())
+
+        measured = attempt("pennylane", "running the circuit", measure)
+        if self._by_wire:
+            measured = (1 - measured.reshape(-1, shots).T) / 2
+        found: Bits = measured.reshape(shots, -1)[:, ::-1].astype(np.int8)
+        return found
+
+
+class _Exact(_Shots, StateEngine):
+    """Exact probabilities, and derivatives by the device where it has them."""
+
+    def __init__(self, circuit: Circuit, name: str, device: Any, method: str | None) -> None:
+        super().__init__(circuit, name, device)
+        adjoint = "adjoint" if name in ADJOINT else "parameter-shift"
+        self._native = name in (*ADJOINT, "default.qubit")
+        self._method = method or adjoint
+        self.gradients = self._native and self._method in ("adjoint", "backprop")
+        self.facts["diff_method"] = self._method
+
+    def probabilities(self, angles: Floats) -> Floats:
+        """Return the probabilities of all assignments."""
+        self.executions += 1
+        qml = self._qml
+
+        def circuit() -> Any:
+            self._apply(angles)
+            return qml.probs(wires=range(self.circuit.qubits))
+
+        node = qml.QNode(circuit, self._device, diff_method=None)
+        return np.asarray(node(), dtype=np.float64)
+
+    def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
+        """Draw shots from the exact probabilities, by the seed."""
+        return StateEngine.samples(self, angles, shots, seed)
+
+    def slope(self, angles: Floats, weights: Floats) -> tuple[float, Floats]:
+        """Return the mean of a diagonal observable and its derivatives by the angles."""
+        if not self._native:
+            return StateEngine.slope(self, angles, weights)
+        runs = 2 * angles.size + 1 if self._method == "parameter-shift" else 1
+        self.executions += runs
+        qml, wires = self._qml, range(self.circuit.qubits)
+        if self._method == "backprop":  # knows no sparse observables, but derives probabilities
+            return self._backpropagated(angles, weights)
+        # A tail is constant above its end: less that, few entries are left.
+        level = float(weights.max())
+        kept = np.flatnonzero(weights < level)
+        kept = kept if kept.size else np.zeros(1, dtype=np.int64)
+        rows = np.searchsorted(kept, np.arange(weights.size + 1))
+        matrix = importlib.import_module("scipy.sparse").csr_matrix(
+            (weights[kept] - level, kept, rows), shape=(weights.size, weights.size)
+        )
+        observable = qml.SparseHamiltonian(matrix, wires=wires)
+
+        def circuit(turns: Any) -> Any:
+            self._apply(turns)
+            return qml.expval(observable)
+
+        node = qml.QNode(circuit, self._device, diff_method=self._method)
+        slope = qml.grad(node)
+        found = np.asarray(slope(qml.numpy.array(angles, requires_grad=True)), dtype=np.float64)
+        return float(slope.forward) + level, found
+
+    def _backpropagated(self, angles: Floats, weights: Floats) -> tuple[float, Floats]:
+        qml = self._qml
+
+        def circuit(turns: Any) -> Any:
+            self._apply(turns)
+            return qml.probs(wires=range(self.circuit.qubits))
+
+        node = qml.QNode(circuit, self._device, diff_method="backprop")
+        slope = qml.grad(lambda turns: qml.math.dot(node(turns), weights))
+        found = np.asarray(slope(qml.numpy.array(angles, requires_grad=True)), dtype=np.float64)
+        return float(slope.forward), found
+
+
+class _PennyLane(VariationalSampler):
+    """Both algorithms on PennyLane.
+
+    ``device``: any device name (``lightning.qubit`` is the default; ``default.qubit``,
+    ``braket.local.qubit``, ``braket.aws.qubit`` ...), made with ``device_options``.
+    ``diff_method``: ``adjoint`` (default where the device has it), ``parameter-shift``, or
+    ``backprop`` on ``default.qubit``.
+    """
+
+    sdk = "pennylane"
+    extra = "pennylane"
+    own: ClassVar[dict[str, Parameter]] = {
+        "diff_method": Parameter("choice", choices=("adjoint", "parameter-shift", "backprop"))
+    }
+
+    def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
+        """Refuse what does not fit; True for devices of this machine."""
+        _need(f"backend {self.name}")
+        method = own.get("diff_method")
+        device = options.device or DEFAULT
+        exact = options.shots is None and not options.device_options.get("shots")
+        allowed = _methods(device if exact else None)
+        if method is not None and method not in allowed:
+            where = f"device {device}" + ("" if exact else " with shots")
+            raise InputError(
+                f"{method!r} is not a way to derive on {where}",
+                field="diff_method",
+                mend=f"use {' or '.join(allowed)}",
+            )
+        if isinstance(device, str):
+            _installed(device)
+        elif not hasattr(device, "execute") and not hasattr(device, "apply"):
+            raise InputError(
+                f"{device!r} is not a PennyLane device", field="device", mend="give its name"
+            )
+        else:
+            options.refuse_device_options("a device object")
+        if not is_local(device):  # it has limits of its own
+            return False
+        room(qubits, f"device {device}")
+        return True
+
+    def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
+        """Return a local device, ready to run the ansatz."""
+        name, circuit = str(options.device or DEFAULT), ansatz.circuit
+        given = dict(options.device_options)
+        exact = name in EXACT and options.shots is None and not given.get("shots")
+        if options.seed is not None and name in (*ADJOINT, "default.qubit"):
+            given.setdefault("seed", options.seed)
+        device = _made(name, circuit.qubits, given)
+        if exact:
+            return _Exact(circuit, name, device, own.get("diff_method"))
+        return _Shots(circuit, name, device)
+
+    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+        """Return a remote device's name, or the object that it is."""
+        del qubits, own  # the device's own limits are told by the device
+        if isinstance(options.device, str):
+            _installed(options.device)
+        return admitted(options.device, options.device_options, life)
+
+    def remote_engine(
+        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
+    ) -> PluginEngine:
+        """Return the device, ready to run the ansatz; it is made for the first run."""
+        del own
+        circuit = ansatz.circuit
+        name = machine if isinstance(machine, str) else type(machine).__name__
+
+        def make(life: Life) -> Engine:
+            device = machine
+            if isinstance(machine, str):
+                device = _made(machine, circuit.qubits, limited(machine, options, life))
+            return _Shots(circuit, name, device)
+
+        return PluginEngine(circuit, name, make)
+
+
+class PennyLaneVQE(_PennyLane):
+    """VQE on PennyLane (backend ``pennylane-vqe``)."""
+
+    algorithm = "vqe"
+
+
+class PennyLaneQAOA(_PennyLane):
+    """QAOA on PennyLane (backend ``pennylane-qaoa``)."""
+
+    algorithm = "qaoa"
+
+
+def _methods(device: Any) -> tuple[str, ...]:
+    """Return how derivatives can be had on a device; ``None``: of measured shots."""
+    if device == "default.qubit":
+        return ("adjoint", "backprop", "parameter-shift")
+    return ("adjoint", "parameter-shift") if device in ADJOINT else ("parameter-shift",)
+
+
+def _need(what: str) -> Any:
+    try:
+        return importlib.import_module("pennylane")
+    except ImportError:
+        raise MissingExtraError(what, "pennylane") from None
+
+
+def _installed(name: str) -> None:
+    """Refuse a device whose plugin is absent; the device itself is not made."""
+    if name not in _need("backend pennylane").plugin_devices:
+        raise _absent(name)
+
+
+def _made(name: str, qubits: int, options: dict[str, Any]) -> Any:
+    qml = _need("backend pennylane")
+    refused = False
+
+    def make() -> Any:
+        nonlocal refused
+        try:
+            return qml.device(name, wires=qubits, **options)
+        except Exception as error:
+            if type(error).__name__ != "DeviceError":
+                raise
+            refused = True
+            return None
+
+    device = attempt("pennylane", f"making device {name}", make)
+    if refused:
+        raise _absent(name)
+    return device
+
+
+def _absent(name: str) -> InputError | MissingExtraError:
+    extra = next((e for start, e in EXTRAS.items() if name.startswith(start)), None)
+    if extra:
+        return MissingExtraError(f"device {name}", extra)
+    return InputError(f"{name!r} is no PennyLane device that is installed", field="device")

@@ -1,0 +1,1 @@
+"""Qiskit: statevector, Aer and IBM Quantum."""

@@ -1,0 +1,295 @@
+"""VQE and QAOA on Qiskit: statevector, Aer, and IBM hardware by Qiskit Runtime.
+
+Qubit k is variable k. Qiskit's indices count qubit 0 as the lowest bit, as ours do.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from typing import Any, ClassVar
+
+import numpy as np
+
+from qrobot._arrays import Floats
+from qrobot.backends.gate import memory
+from qrobot.backends.gate.ansatz import Ansatz
+from qrobot.backends.gate.circuit import TURNING, Circuit
+from qrobot.backends.gate.engine import Engine, StateEngine, room
+from qrobot.backends.gate.ising import terms
+from qrobot.backends.gate.options import Options
+from qrobot.backends.gate.sampler import VariationalSampler
+from qrobot.backends.gate.threads import PARALLEL
+from qrobot.backends.qiskit.runtime import (
+    Measured,
+    RuntimeEngine,
+    Transpiled,
+    backend_of,
+    check_fit,
+    is_simulated,
+    open_mode,
+)
+from qrobot.backends.sampler import Parameter
+from qrobot.errors import BackendError, InputError, MissingExtraError
+from qrobot.jobs import Options as Life
+
+__all__ = ["QiskitQAOA", "QiskitVQE", "circuit_of", "sparse_pauli_op"]
+
+
+LOCAL = ("statevector", "aer")
+
+CLASSES = {
+    "cz": "CZGate", "h": "HGate", "phase": "PhaseGate", "rx": "RXGate", "ry": "RYGate",
+    "rz": "RZGate", "rzz": "RZZGate", "swap": "SwapGate", "x": "XGate",
+}  # fmt: skip
+
+
+def sparse_pauli_op(bqm: Any) -> Any:
+    """Return a model's Ising form as a `qiskit.quantum_info.SparsePauliOp`.
+
+    Parameters
+    ----------
+    bqm
+        A dimod model; qubit k is the k-th variable, state 1 is x = 1 (dimod: s = +1).
+    """
+    info = _need("qiskit.quantum_info", "qiskit operators", "qiskit")
+    listed = [("Z" * len(qubits), list(qubits), value) for value, qubits in terms(bqm)]
+    return info.SparsePauliOp.from_sparse_list(listed, num_qubits=bqm.num_variables)
+
+
+def circuit_of(circuit: Circuit, angles: Any = ()) -> Any:
+    """Return a Qiskit circuit.
+
+    Parameters
+    ----------
+    circuit
+        What to translate.
+    angles
+        One a searched rotation: numbers, or a ParameterVector.
+    """
+    qiskit = _need("qiskit", "qiskit circuits", "qiskit")
+    library = _need("qiskit.circuit.library", "qiskit circuits", "qiskit")
+    made = qiskit.QuantumCircuit(circuit.qubits)
+    for gate, angle in circuit.turned(angles):
+        turn = getattr(library, CLASSES[gate.name])(*([angle] if gate.name in TURNING else []))
+        if gate.controls:
+            # Qiskit reads the control state with the first control as its lowest bit.
+            held = sum(value << k for k, value in enumerate(gate.control_values))
+            turn = turn.control(len(gate.controls), ctrl_state=held, annotated=False)
+        made.append(turn, [*gate.controls, *gate.qubits])
+    return made
+
+
+class _Statevector(StateEngine):
+    """Exact probabilities by `qiskit.quantum_info.Statevector`."""
+
+    def probabilities(self, angles: Floats) -> Floats:
+        from qiskit.quantum_info import Statevector
+
+        self.executions += 1
+        state = Statevector(circuit_of(self.circuit, angles))
+        return np.asarray(state.probabilities(), dtype=np.float64)
+
+
+class _Aer(StateEngine):
+    """Exact probabilities by Aer's state: all qubits are saved, so none can be cut off.
+
+    Expectations of Aer on part of the qubits can be silently wrong (qiskit-aer#2442): energies
+    are taken from the whole state, and truncation is off.
+    """
+
+    def __init__(self, circuit: Circuit, options: dict[str, Any]) -> None:
+        super().__init__(circuit)
+        options = _threaded(options, circuit.qubits)
+        aer = _need("qiskit_aer", "device aer", "qiskit")
+        self._simulator = aer.AerSimulator(
+            **({"method": "statevector", "enable_truncation": False} | options)
+        )
+
+    def probabilities(self, angles: Floats) -> Floats:
+        self.executions += 1
+        circuit = circuit_of(self.circuit, angles)
+        circuit.save_statevector()
+        result = self._simulator.run(circuit).result()
+        if not result.success:
+            raise BackendError("device aer: the simulation failed")
+        found: Floats = np.abs(np.asarray(result.get_statevector(circuit))) ** 2
+        return found
+
+
+class _NoisyAer(StateEngine):
+    """Exact probabilities under a noise model, by Aer's density matrix.
+
+    A state vector under noise is one random trajectory of many: only the density matrix, of
+    4**n numbers, has them all.
+    """
+
+    def __init__(self, circuit: Circuit, options: Options, own: dict[str, Any]) -> None:
+        super().__init__(circuit)
+        aer = _need("qiskit_aer", "device aer", "qiskit")
+        self._simulator = aer.AerSimulator(
+            **_threaded(options.device_options, 2 * circuit.qubits)
+            | {"method": "density_matrix", "enable_truncation": False}
+        )
+        made = _transpiled(circuit, self._simulator, options, own, measure=False)
+        self._made, self.facts = made, dict(made.facts)
+        layout = made.circuit.layout
+        order = range(circuit.qubits) if layout is None else layout.final_index_layout()
+        self._made.circuit.save_probabilities(list(order))
+
+    def probabilities(self, angles: Floats) -> Floats:
+        self.executions += 1
+        circuit, values = self._made.pub(angles)
+        result = self._simulator.run(circuit.assign_parameters(values)).result()
+        if not result.success:
+            raise BackendError("device aer: the simulation failed")
+        return np.asarray(result.data()["probabilities"], dtype=np.float64)
+
+
+def _is_noisy(options: Options) -> bool:
+    """Return whether Aer is given a noise model that does something."""
+    model = options.device_options.get("noise_model")
+    return model is not None and not model.is_ideal()
+
+
+def _check_noise(qubits: int, model: Any) -> None:
+    """Refuse a noise model whose exact probabilities cannot be had.
+
+    Raises
+    ------
+    BackendError
+        When the density matrix does not fit into memory.
+    InputError
+        When measurements err too: a density matrix knows the state, not what is read.
+    """
+    what = f"the density matrix of {qubits} qubits under noise on device aer"
+    memory.require(3 * 16 << 2 * qubits, what, "give shots, which take one trajectory each")
+    if any(error.get("type") == "roerror" for error in model.to_dict()["errors"]):
+        raise InputError(
+            "the noise model has readout errors, which exact probabilities leave out",
+            field="shots",
+            mend="give shots, such as shots=1000",
+        )
+
+
+class _Qiskit(VariationalSampler):
+    """Both algorithms on Qiskit.
+
+    ``device``: ``aer`` (default where it is installed), ``statevector``, or ``ibm`` /
+    ``ibm:<name>`` (credentials saved by `QiskitRuntimeService.save_account`). ``mode``: a
+    backend, session or batch of Qiskit Runtime to use instead, fake ones too.
+    ``optimization_level``: of the transpiler.
+    """
+
+    sdk = "qiskit"
+    extra = "qiskit"
+    own: ClassVar[dict[str, Parameter]] = {
+        "mode": Parameter("any"),
+        "optimization_level": Parameter("whole", 0, 3, optional=False),
+    }
+
+    def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
+        """Refuse what does not fit; True for devices of this machine."""
+        _need("qiskit", f"backend {self.name}", self.extra)
+        mode = own.get("mode")
+        if mode is not None or _device(options) == "statevector":
+            options.refuse_device_options("a mode" if mode is not None else "device statevector")
+        if mode is not None:
+            check_fit(backend_of(mode), qubits)
+            return False
+        device = _device(options)
+        if device in LOCAL:
+            if device == "aer":
+                _need("qiskit_aer", "device aer", "qiskit")
+            room(qubits, f"device {device}")
+            if device == "aer" and options.shots is None and _is_noisy(options):
+                _check_noise(qubits, options.device_options["noise_model"])
+            return True
+        if isinstance(device, str) and device.partition(":")[0] == "ibm":
+            _need("qiskit_ibm_runtime", f"device {device}", "ibm")
+            return False
+        raise InputError(
+            f"{device!r} is no device",
+            field="device",
+            mend=f"use one of {', '.join(LOCAL)}, ibm, ibm:<name>, or mode=",
+        )
+
+    def runs_remotely(self, **parameters: Any) -> bool:
+        """Return whether `sample` with these parameters asks another machine."""
+        mode = parameters.get("mode")
+        if hasattr(getattr(mode, "_backend", mode), "target") and is_simulated(backend_of(mode)):
+            return False
+        return super().runs_remotely(**parameters)
+
+    def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
+        """Return a local device, ready to run the ansatz."""
+        made: Engine
+        if (_device(options)) == "statevector":
+            made = _Statevector(ansatz.circuit)
+        elif options.shots is None and _is_noisy(options):
+            made = _NoisyAer(ansatz.circuit, options, own)
+        elif options.shots is None:
+            made = _Aer(ansatz.circuit, options.device_options)
+        else:
+            aer = _need("qiskit_aer", "device aer", "qiskit")
+            primitives = _need("qiskit_aer.primitives", "device aer", "qiskit")
+            given = _threaded(options.device_options, ansatz.circuit.qubits)
+            simulator = aer.AerSimulator(**given)
+            sampler = primitives.SamplerV2(seed=options.seed, options={"backend_options": given})
+            circuit = _transpiled(ansatz.circuit, simulator, options, own)
+            made = Measured(ansatz.circuit, circuit, sampler)
+        made.facts.setdefault("device", str(_device(options)))
+        return made
+
+    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+        """Return the mode that jobs run in; its backend holds the model."""
+        return open_mode(options.device, own.get("mode"), qubits, life)
+
+    def remote_engine(
+        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
+    ) -> RuntimeEngine:
+        """Return the machine, ready to run the ansatz."""
+        circuit = _transpiled(ansatz.circuit, backend_of(machine), options, own)
+        return RuntimeEngine(ansatz.circuit, circuit, machine, options.seed)
+
+
+class QiskitVQE(_Qiskit):
+    """VQE on Qiskit (backend ``qiskit-vqe``)."""
+
+    algorithm = "vqe"
+
+
+class QiskitQAOA(_Qiskit):
+    """QAOA on Qiskit (backend ``qiskit-qaoa``)."""
+
+    algorithm = "qaoa"
+
+
+def _device(options: Options) -> Any:
+    """Return the device: many times faster than Qiskit's own state from 14 qubits on, so Aer."""
+    if options.device is not None:
+        return options.device
+    return "aer" if importlib.util.find_spec("qiskit_aer") is not None else "statevector"
+
+
+def _need(module: str, what: str, extra: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise MissingExtraError(what, extra) from None
+
+
+def _threaded(options: dict[str, Any], qubits: int) -> dict[str, Any]:
+    """Return Aer's options with one thread for a small state, unless the caller chose."""
+    return ({"max_parallel_threads": 1} if qubits < PARALLEL else {}) | dict(options)
+
+
+def _transpiled(
+    circuit: Circuit, backend: Any, options: Options, own: dict[str, Any], *, measure: bool = True
+) -> Transpiled:
+    from qiskit.circuit import ParameterVector
+
+    whole = circuit_of(circuit, ParameterVector("angle", len(circuit.rotations)))
+    if measure:
+        whole.measure_all()
+    return Transpiled(whole, backend, own.get("optimization_level", 3), options.seed)

@@ -1,0 +1,161 @@
+"""What this machine has: versions, extras, credentials (present or not), folders to write to."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from qrobot._version import __version__
+from qrobot.jobs.credentials import SERVICES, presence
+from qrobot.jobs.store import default_path
+
+__all__ = ["BASE", "EXTRAS", "inventory", "inventory_text"]
+
+BASE = (
+    "click", "dimod", "dwave-neal", "dwave-samplers", "numpy", "prometheus-client",
+    "psutil", "pydantic",
+)  # fmt: skip
+"""Distributions that every installation has."""
+
+EXTRAS: dict[str, tuple[str, ...]] = {
+    "planners": ("pyvrp", "ortools"),
+    "plot": ("matplotlib",),
+    "qiskit": ("qiskit", "qiskit-aer", "qiskit-algorithms", "qiskit-optimization"),
+    "ibm": ("qiskit-ibm-runtime",),
+    "pennylane": ("pennylane", "pennylane-lightning", "autograd"),
+    "braket": ("amazon-braket-sdk",),
+    "docplex": ("docplex", "qiskit-optimization"),
+    "dwave": (
+        "dwave-cloud-client", "dwave-hybrid", "dwave-networkx", "dwave-optimization",
+        "dwave-system", "minorminer",
+    ),
+}  # fmt: skip
+"""The extras that backends name, and what each installs by itself."""
+
+
+def _version(distribution: str) -> str | None:
+    try:
+        return importlib.metadata.version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def _writable(folder: Path) -> bool:
+    """Return whether files can be made in a folder, or the folder itself can be."""
+    while not folder.exists() and folder != folder.parent:
+        folder = folder.parent
+    try:  # asking for permissions tells root nothing about a read-only file system
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _folders() -> dict[str, Path]:
+    cache = os.environ.get("XDG_CACHE_HOME")
+    found = {
+        "jobs": default_path().parent,
+        "cache": Path(cache) if cache else Path.home() / ".cache",
+        "temporary": Path(tempfile.gettempdir()),
+        "current": Path.cwd(),
+    }
+    if numba := os.environ.get("NUMBA_CACHE_DIR"):
+        found["numba"] = Path(numba)
+    return found
+
+
+def inventory() -> dict[str, Any]:
+    """Return what this machine has, as plain data without any secret.
+
+    Returns
+    -------
+    dict
+        ``python``, ``machine``, ``packages``, ``extras``, ``credentials``, ``folders`` and
+        ``problems``: sentences about what hinders qRobot.
+    """
+    import psutil
+
+    problems = []
+    base = {name: _version(name) for name in BASE}
+    for name, version in base.items():
+        if version is None:
+            problems.append(f"{name} is not installed; install it with: pip install qrobot")
+    extras = {}
+    for extra, names in EXTRAS.items():
+        versions = {name: _version(name) for name in names}
+        extras[extra] = {
+            "installed": None not in versions.values(),
+            "packages": versions,
+            "install": f"pip install 'qrobot[{extra}]'",
+        }
+    credentials = {}
+    for service, (title, _, mend) in SERVICES.items():
+        found = presence(service)
+        credentials[service] = {
+            "title": title,
+            "present": found.present,
+            "source": found.source,
+            "mend": None if found.present else mend,
+        }
+        if found.open_to_others:
+            problems.append(
+                f"the {found.source} with credentials for {title} can be read by others; "
+                "run chmod 600 on it"
+            )
+    folders = {}
+    for name, folder in _folders().items():
+        folders[name] = {"path": str(folder), "writable": _writable(folder)}
+        if name in ("jobs", "temporary", "numba") and not folders[name]["writable"]:
+            problems.append(f"the {name} folder {folder} cannot be written to")
+    return {
+        "qrobot": __version__,
+        "python": platform.python_version(),
+        "executable": sys.executable,
+        "machine": {
+            "system": f"{platform.system()} {platform.release()}",
+            "architecture": platform.machine(),
+            "cores": os.cpu_count(),
+            "memory_mb": round(psutil.virtual_memory().total / 1e6),
+        },
+        "packages": base,
+        "extras": extras,
+        "credentials": credentials,
+        "folders": folders,
+        "problems": problems,
+    }
+
+
+def inventory_text(data: dict[str, Any]) -> str:
+    """Return an inventory as a few plain lines."""
+    machine = data["machine"]
+    lines = [
+        f"qrobot {data['qrobot']}, Python {data['python']} ({data['executable']})",
+        f"{machine['system']}, {machine['architecture']}, {machine['cores']} cores, "
+        f"{machine['memory_mb']} MB",
+        "",
+        "packages: " + ", ".join(f"{n} {v or 'ABSENT'}" for n, v in data["packages"].items()),
+        "extras:",
+    ]
+    for extra, about in data["extras"].items():
+        have = [f"{name} {version}" for name, version in about["packages"].items() if version]
+        lack = [name for name, version in about["packages"].items() if not version]
+        text = ", ".join(have)
+        if lack:
+            text = f"{text + '; ' if have else ''}absent: {', '.join(lack)}: {about['install']}"
+        lines.append(f"  {extra:<10} {text}")
+    lines.append("credentials (present or not; none is shown):")
+    for about in data["credentials"].values():
+        where = f"present: {about['source']}" if about["present"] else f"absent; {about['mend']}"
+        lines.append(f"  {about['title']:<15} {where}")
+    lines.append("folders:")
+    for name, about in data["folders"].items():
+        state = "writable" if about["writable"] else "NOT writable"
+        lines.append(f"  {name:<10} {about['path']}: {state}")
+    lines.append("")
+    lines += [f"problem: {text}" for text in data["problems"]] or ["no problem was found"]
+    return "\n".join(lines)

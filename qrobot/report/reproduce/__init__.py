@@ -1,6 +1,0 @@
-"""The paper's tables and figures again: its rows, our methods, its seconds beside ours."""
-
-from qrobot.report.reproduce.runner import TARGETS, reproduce
-from qrobot.report.reproduce.settings import Settings
-
-__all__ = ["TARGETS", "Settings", "reproduce"]

@@ -1,0 +1,3 @@
+"""Studies of plans and backends: benchmarks, and the paper reproduced."""
+
+__all__: list[str] = []

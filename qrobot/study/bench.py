@@ -1,0 +1,295 @@
+"""Compare backends on a folder of instances, each run in a process of its own."""
+
+from __future__ import annotations
+
+import fnmatch
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from qrobot._children import child_environment
+from qrobot._files import read_text, write_text_atomic
+from qrobot._json import json_text
+from qrobot.errors import InputError
+from qrobot.problem.checks import is_reference
+from qrobot.problem.formats.jsontext import loads
+from qrobot.report.machine import machine
+
+__all__ = ["BENCH_SCHEMA", "BenchRow", "Task", "find_instances", "run_bench", "tasks"]
+
+BENCH_SCHEMA = "qrobot.bench/1"
+SUFFIXES = (".vrp", ".json", ".csv")
+GRACE = 60.0
+"""Seconds over the deadline after which a run counts as hung and is ended."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One run: an instance, a backend, a seed."""
+
+    path: str
+    backend: str
+    seed: int
+    deadline: float | None
+    max_work: int | None = None
+    robots: int | str | None = None
+    reference: float | None = None
+    rounding: str | None = None
+
+
+@dataclass(slots=True)
+class BenchRow:
+    """What one run gave.
+
+    Parameters
+    ----------
+    instance, backend, seed
+        Which run.
+    cost, bound, reference
+        Distances; ``None`` where there is none.
+    gap
+        cost / reference - 1, or ``None``.
+    proven, feasible
+        Whether optimality was proven, and whether there is a plan.
+    seconds
+        `solve`'s own time: imports, reading and the checker's file work are not in it.
+    wall_seconds
+        The whole process, imports included.
+    peak_mb
+        Largest resident memory of the process, 10^6 bytes.
+    trips, robots
+        Trips of the plan, and robots that make them.
+    error
+        Why there is no plan.
+    """
+
+    instance: str
+    backend: str
+    seed: int
+    cost: float | None = None
+    bound: float | None = None
+    reference: float | None = None
+    gap: float | None = None
+    proven: bool = False
+    feasible: bool = False
+    seconds: float | None = None
+    wall_seconds: float | None = None
+    peak_mb: float | None = None
+    trips: int | None = None
+    robots: int | None = None
+    sampler: dict[str, Any] | None = None
+    error: str | None = field(default=None)
+
+
+def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Path]:
+    """Return the instance files of a folder, by name.
+
+    Raises
+    ------
+    InputError
+        When the folder is missing or holds none.
+    """
+    root = Path(folder)
+    if not root.is_dir():
+        raise InputError(
+            "is not a folder", source=os.fspath(folder), mend="give a folder of instances"
+        )
+    found = sorted(
+        path
+        for path in root.iterdir()
+        if path.suffix.lower() in SUFFIXES
+        and path.name not in {"index.json", "layout.json"}
+        and not path.name.endswith((".layout.json", ".schema.json"))
+        and fnmatch.fnmatch(path.name, match if any(c in match for c in "*?[") else f"{match}*")
+        and not _is_answer(path)
+    )
+    if not found:
+        raise InputError(
+            f"holds no {', '.join(SUFFIXES)} file like {match!r}",
+            source=os.fspath(folder),
+            mend="give another folder or pattern",
+        )
+    return found
+
+
+def _is_answer(path: Path) -> bool:
+    """Return whether a file is a plan or a report that we wrote, not an instance."""
+    if path.suffix != ".json":
+        return False
+    try:
+        with path.open("rb") as file:
+            start = file.read(200)
+    except OSError:
+        return False  # reading the instance will tell why
+    return b'"qrobot.plan/' in start or b'"qrobot.bench/' in start
+
+
+@lru_cache(maxsize=64)
+def references(folder: Path) -> dict[str, float]:
+    """Return the values of a folder's ``index.json`` by file name, when there is one.
+
+    Only numbers that a gap can be told against: what is 0, negative or huge is left out.
+    """
+    index = folder / "index.json"
+    if not index.is_file():
+        return {}
+    try:
+        entries = loads(read_text(index))
+        known = [e for e in entries if e.get("value") is not None]
+        values = {Path(e["file"]).name: float(e["value"]) for e in known}
+    except InputError as error:
+        raise error.in_file(os.fspath(index)) from None
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
+        raise InputError(
+            f"cannot be read ({type(error).__name__}: {error})",
+            source=os.fspath(index),
+            mend="give a list of objects with file and value, or remove it",
+        ) from None
+    return {name: value for name, value in values.items() if is_reference(value)}
+
+
+def tasks(
+    paths: Sequence[Path],
+    backends: Sequence[str],
+    seeds: int,
+    *,
+    deadline: float | None,
+    max_work: int | None = None,
+    robots: int | str | None = None,
+    robots_for: Sequence[str] = (),
+    rounding: str | None = None,
+) -> list[Task]:
+    """Return every run: instances x backends x seeds.
+
+    Parameters
+    ----------
+    paths, backends, seeds
+        What to run, with seeds 0, 1, ...
+    deadline, max_work
+        Limits of each run.
+    robots
+        Another number of robots, or ``free``, for all instances.
+    robots_for
+        Exceptions as ``PATTERN=N`` or ``PATTERN=free``; the first that matches counts.
+    rounding
+        Of the distances of the ``.vrp`` files, as of `read`.
+    """
+    rules = [_rule(text) for text in robots_for]
+    found = []
+    for path in paths:
+        own = next((n for pattern, n in rules if fnmatch.fnmatch(path.name, pattern)), robots)
+        known = references(path.parent).get(path.name)
+        rule = rounding if path.suffix.lower() == ".vrp" else None
+        found += [
+            Task(os.fspath(path), backend, seed, deadline, max_work, own, known, rule)
+            for backend in backends
+            for seed in range(seeds)
+        ]
+    return found
+
+
+def _rule(text: str) -> tuple[str, int | str]:
+    pattern, _, number = text.partition("=")
+    if pattern and number.lower() == "free":
+        return pattern, "free"
+    if pattern and number.isascii() and number.isdigit() and int(number) > 0:
+        return pattern, int(number)
+    raise InputError(
+        f"{text!r} is not a rule", field="--robots-for", mend="write it like 'X-*=free' or 'A-*=5'"
+    )
+
+
+def run_bench(
+    todo: Sequence[Task],
+    *,
+    save: str | os.PathLike[str] | None = None,
+    on_row: Callable[[int, BenchRow], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
+) -> dict[str, Any]:
+    """Run all tasks, one after the other, and return the report.
+
+    Ctrl-C ends the running task; the report then holds the finished ones and says so.
+
+    Parameters
+    ----------
+    todo
+        The runs.
+    save
+        Where to write the report as JSON; written anew after every run, so that an
+        interrupted comparison keeps what it has.
+    on_row
+        Told the number of rows and the latest one.
+    interrupted
+        Asked after each row; True ends the comparison as Ctrl-C does.
+    """
+    report: dict[str, Any] = {
+        "schema": BENCH_SCHEMA,
+        "machine": machine(),
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "runs": len(todo),
+        "interrupted": False,
+        "rows": [],
+    }
+    try:
+        for row in _rows(todo):
+            report["rows"].append(asdict(row))
+            if save is not None:
+                write_text_atomic(save, json_text(report, indent=1) + "\n")
+            if on_row is not None:
+                on_row(len(report["rows"]), row)
+            if interrupted is not None and interrupted():
+                raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        report["interrupted"] = True
+        if save is not None:
+            write_text_atomic(save, json_text(report, indent=1) + "\n")
+    return report
+
+
+def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
+    for task in todo:
+        row = BenchRow(Path(task.path).stem, task.backend, task.seed, reference=task.reference)
+        limit = None if task.deadline is None else task.deadline + GRACE
+        begun = time.perf_counter()
+        try:
+            done = subprocess.run(
+                [
+                    *(sys.executable, "-P", "-m", "qrobot.study.bench_worker"),
+                    *(json_text(asdict(task)), str(os.getpid())),
+                ],
+                env=child_environment(),
+                capture_output=True,
+                encoding="utf-8",
+                errors="replace",
+                timeout=limit,
+                check=False,
+                start_new_session=True,  # Ctrl-C is for us: a run cut short is no row
+            )
+        except subprocess.TimeoutExpired:
+            row.error = f"did not end within {limit:g} s"
+        else:
+            _take(row, done)
+        row.wall_seconds = time.perf_counter() - begun
+        if row.cost is not None and row.reference:
+            row.gap = row.cost / row.reference - 1
+        yield row
+
+
+def _take(row: BenchRow, done: subprocess.CompletedProcess[str]) -> None:
+    """Fill a row from what the worker printed, or from how it ended."""
+    try:
+        values = json.loads(done.stdout.splitlines()[-1])
+    except (IndexError, ValueError):
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        row.error = f"the process ended with code {done.returncode}: {last}"
+        return
+    for name, value in values.items():
+        if name != "reference" or row.reference is None:
+            setattr(row, name, value)

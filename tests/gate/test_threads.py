@@ -1,0 +1,57 @@
+"""Small states take one thread, in the libraries and in Aer."""
+
+from __future__ import annotations
+
+import dimod
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from qrobot.backends.gate.sampler import VariationalSampler
+from qrobot.backends.gate.threads import PARALLEL, few_threads
+
+
+def threads() -> set[int]:
+    return {library["num_threads"] for library in threadpool_info()}
+
+
+def test_small_states_take_one_thread_and_give_the_others_back() -> None:
+    _ = np.eye(2) @ np.eye(2)  # its linear algebra is loaded
+    with threadpool_limits(limits=2):
+        before = threads()
+        with few_threads(PARALLEL - 1):
+            assert threads() == {1}
+        assert threads() == before
+        with few_threads(PARALLEL):
+            assert threads() == before
+
+
+def test_every_variational_sampler_works_within_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[set[int]] = []
+
+    class Sampler(VariationalSampler):
+        sdk = extra = "none"
+        algorithm = "vqe"
+
+        def check(self, qubits, options, own):
+            return True
+
+        def engine(self, ansatz, options, own):
+            from qrobot.backends.gate.engine import PlainEngine
+
+            seen.append(threads())
+            return PlainEngine(ansatz.circuit)
+
+    with threadpool_limits(limits=2):
+        bqm = dimod.BinaryQuadraticModel({0: 1.0, 1: -1.0}, {}, 0.0, "BINARY")
+        Sampler().sample(bqm, num_reads=5, evaluations=2, seed=0)
+    assert seen == [{1}]
+
+
+def test_aer_has_threads_only_for_large_states() -> None:
+    pytest.importorskip("qiskit_aer")
+    from qrobot.backends.qiskit.sampler import _threaded
+
+    assert _threaded({}, PARALLEL - 1) == {"max_parallel_threads": 1}
+    assert _threaded({}, PARALLEL) == {}
+    assert _threaded({"max_parallel_threads": 3}, 4) == {"max_parallel_threads": 3}

@@ -1,3 +1,0 @@
-from remote.conftest import home
-
-__all__ = ["home"]

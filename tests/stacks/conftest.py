@@ -1,0 +1,3 @@
+from jobs.conftest import home
+
+__all__ = ["home"]
