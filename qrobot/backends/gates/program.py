@@ -92,7 +92,8 @@ class Program:
 
     def state(self) -> npt.NDArray[np.complex128]:
         """Return the state by applying every gate, shape (2**qubits,)."""
-        memory.require(40 << self.qubits, f"the state of a circuit of {self.qubits} qubits")
+        what = f"the state of a circuit of {self.qubits} qubits"
+        memory.require(40 << self.qubits, what, qubits=self.qubits)
         state = np.zeros(1 << self.qubits, dtype=np.complex128)
         state[0] = 1.0
         shaped = state.reshape((2,) * self.qubits)  # axis 0 is the highest qubit
