@@ -22,7 +22,7 @@ __all__ = ["command"]
 @click.option("--deadline", "-t", type=float, help="Wall-clock seconds.  [default: 10]")
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of every random choice.")
-@click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
+@click.option("--robots", type=Robots(), help="The first N, more like them, or 'free': no limit.")
 @click.option("--capacity", help="Another capacity of every robot.")
 @click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
 @click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from qrobot._arrays import Ints
 from qrobot.errors import InfeasibleError
 from qrobot.problem import Instance
+from qrobot.problem.packing import what_is_enough
 
 __all__ = ["Fleet", "Limits", "fleet_of", "limits_of"]
 
@@ -96,17 +97,21 @@ def limits_of(instance: Instance, fleet: Fleet) -> Limits:
     lot = instance.order_weights
     if len(lot) and int(lot.max()) > int(rooms[0]):
         worst = instance.orders[int(lot.argmax())].id
-        raise InfeasibleError(f"order {worst} weighs {int(lot.max()) * unit:g}: {largest}")
+        raise InfeasibleError(
+            f"order {worst} weighs {int(lot.max()) * unit:g}: {largest}; {what_is_enough(instance)}"
+        )
     if total > int(rooms.sum()):
         raise InfeasibleError(
             f"total load {total * unit:g} exceeds {int(rooms.sum()) * unit:g}, the most that "
-            f"{len(fleet)} trips hold in whole multiples of {unit:g}"
+            f"{len(fleet)} trips hold in whole multiples of {unit:g}; "
+            f"{what_is_enough(instance)}"
         )
     by_room = {room: _most_items(instance, room) for room in set(rooms.tolist())}
     most = np.array([by_room[room] for room in rooms.tolist()], dtype=np.int64)
     if int(most.sum()) < n:
         raise InfeasibleError(
-            f"{len(fleet)} trips carry at most {int(most.sum())} of the {n} items: {largest}"
+            f"{len(fleet)} trips carry at most {int(most.sum())} of the {n} items: {largest}; "
+            f"{what_is_enough(instance)}"
         )
     lightest = np.maximum(total - (rooms.sum() - rooms), 0)
     heaviest_first = np.sort(instance.weights)[::-1]
@@ -116,7 +121,7 @@ def limits_of(instance: Instance, fleet: Fleet) -> Limits:
         k = int(np.argmax(least - most))
         raise InfeasibleError(
             f"at least {int(least[k])} items are left for robot {fleet.names[k]}, whose "
-            f"{int(rooms[k]) * unit:g} holds {int(most[k])}"
+            f"{int(rooms[k]) * unit:g} holds {int(most[k])}; {what_is_enough(instance)}"
         )
     return Limits(most, least, lightest, reached[most] > rooms)
 

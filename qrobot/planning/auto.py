@@ -55,11 +55,11 @@ def _planner(name: str) -> Planner:
 def run_auto(run: Run) -> None:
     """Find the best plan for a run's instance within its stop."""
     exact = ExactPlanner()
-    small = exact.fits(run.instance)
-    if small and len(run.instance.orders) <= MAX_ELEMENTS:
+    if exact.at_once(run.instance):
         run.plan(exact, run.stop)
     search = choose_search(run.instance)
-    if small and not run.finished and _has_cp_sat():
+    few = len(run.instance.orders) <= MAX_ELEMENTS
+    if not run.finished and exact.fits(run.instance) and (few or _has_cp_sat()):
         # A first plan tells the set partition which trips cannot be part of a better one.
         run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
         run.plan(exact, _proving(run.stop))

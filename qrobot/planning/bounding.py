@@ -13,6 +13,7 @@ import time
 from qrobot.backends import Stop
 from qrobot.backends.classical.exact import ExactPlanner
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
+from qrobot.backends.exact import ExactPlanner
 from qrobot.plan import Plan, check
 from qrobot.planning.bounds import forest_bound, load_steps, quick_bound, walk_bound
 from qrobot.planning.run import Run
@@ -99,8 +100,7 @@ def bound_from_below(run: Run) -> None:
 def _proved(run: Run) -> bool:
     """Take the optimum of a small instance as the bound; its plan stays out of the result."""
     exact = ExactPlanner()
-    small = len(run.instance.orders) <= MAX_ELEMENTS and exact.fits(run.instance)
-    if not small or exact.name in run.steps:
+    if exact.name in run.steps or not exact.at_once(run.instance):
         return False
     # So few orders take a millisecond or two: worth it even when time is up.
     late = run.stop() and len(run.instance.orders) <= INSTANT

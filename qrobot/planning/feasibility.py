@@ -1,10 +1,11 @@
-"""Why no plan exists, in one sentence, and a packing when one is hard to find."""
+"""Why no plan exists, and what would be enough, in one sentence."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 
 from qrobot.problem import Instance
+from qrobot.problem.packing import what_is_enough
 
 __all__ = ["reason_infeasible"]
 
@@ -12,11 +13,16 @@ MOST_NAMED = 5
 
 
 def reason_infeasible(instance: Instance) -> str | None:
-    """Return an obvious reason why no plan exists, or None.
+    """Return an obvious reason why no plan exists and what would be enough, or None.
 
     Checks every order against the largest robot, the total load against the fleet, and
     orders that are too heavy to share a trip against the number of trips.
     """
+    reason = _reason(instance)
+    return None if reason is None else f"{reason}; {what_is_enough(instance)}"
+
+
+def _reason(instance: Instance) -> str | None:
     if not instance.orders:
         return None
     capacities = instance.vehicle_capacities.tolist()
@@ -36,8 +42,6 @@ def reason_infeasible(instance: Instance) -> str | None:
         reason = f"{'; '.join(parts)}: {room}"
         if len(too_heavy) > MOST_NAMED:
             reason += f" (and {len(too_heavy) - MOST_NAMED} heavier weights)"
-        if instance.weights.max() <= largest:
-            reason += "; each item alone would fit: allow split orders (--split-orders)"
         return reason
     total = sum(weights)
     if total > sum(int(instance.capacities[r]) * k.trips for r, k in enumerate(instance.robots)):

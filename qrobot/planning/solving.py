@@ -20,6 +20,8 @@ from qrobot.planning.result import Ending, Result, SamplerReport
 from qrobot.planning.run import TIE, Progress, Run
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
+from qrobot.problem.packing import what_is_enough
+from qrobot.remote import run_with_fallback
 
 __all__ = ["DEFAULT_DEADLINE", "result_of", "solve"]
 
@@ -225,8 +227,8 @@ def result_of(run: Run, backend: str) -> Result:
         limits = "it was interrupted" if run.stop.requested else "the limits were reached"
         raise InfeasibleError(
             f"no plan was found before {limits} ({run.elapsed:.1f} s, steps: "
-            f"{', '.join(run.steps) or 'none'}); whether one exists is not known: give more time "
-            "or more robots",
+            f"{', '.join(run.steps) or 'none'}); whether one exists is not known: give more "
+            f"time; {what_is_enough(run.instance)}",
             proven=False,
         )
     proven = run.finished

@@ -23,13 +23,17 @@ from qrobot.problem.asymmetry import unreachable, unusual
 from qrobot.problem.checks import check_reference
 from qrobot.problem.coarse import coarse
 from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.insertion import insert_orders
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
 from qrobot.problem.useful import outlying, useful_limit
-from qrobot.problem.validity import MAX_ITEMS, check_entities, some
+from qrobot.problem.validity import check_entities, some
 from qrobot.problem.warehouse import DistanceTable, OpenFloor, Place, Warehouse
 
 __all__ = ["Instance"]
+
+MARKED = 10.0
+"""Ways this many times longer than any useful one mark something; models take them for less."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,15 +100,16 @@ class Instance:
     def distances(self) -> npt.NDArray[np.float64]:
         """Distances between depot (node 0) and items (node i + 1), shape (n + 1, n + 1).
 
-        All finite, for solvers and models: no way costs more than `longest_useful`, be it
-        forbidden or marked by a large number.
+        All finite, for models: no way costs more than `MARKED` times `longest_useful`, be it
+        forbidden or marked by a large number. All others are as they are, so that the energy
+        of a plan is its distance.
 
         Raises
         ------
         InputError
             When an item cannot be reached from the depot or left again.
         """
-        return self._priced(self.place_of_node)
+        return self._priced(self.place_of_node, MARKED)
 
     @cached_property
     def places(self) -> tuple[Place, ...]:
@@ -144,7 +149,7 @@ class Instance:
 
     @cached_property
     def longest_useful(self) -> float:
-        """What a way costs at most in `distances`; ``inf`` when all ways stand as they are.
+        """What a way costs at most in `stop_distances`; ``inf`` when all stand as they are.
 
         More than some plan without a forbidden way is long, so that no shortest plan takes a
         way of that price: neither one that is forbidden nor one that a large number marks.
@@ -159,11 +164,11 @@ class Instance:
             self.vehicle_capacities,
         )
 
-    def _priced(self, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
-        """Return the distances between places, none above `longest_useful`."""
+    def _priced(self, rows: npt.NDArray[np.intp], times: float) -> npt.NDArray[np.float64]:
+        """Return the distances between places, none above so many `longest_useful`."""
         matrix = self.place_distances[np.ix_(rows, rows)]
         if not math.isinf(self.longest_useful):
-            np.minimum(matrix, self.longest_useful, out=matrix)
+            np.minimum(matrix, times * self.longest_useful, out=matrix)
         matrix.flags.writeable = False
         return matrix
 
@@ -247,9 +252,10 @@ class Instance:
     def stop_distances(self) -> npt.NDArray[np.float64]:
         """Distances between depot (row 0) and stops, shape (number of stops + 1,) twice.
 
-        All finite, as `distances` are.
+        All finite, for planners and bounds: no way costs more than `longest_useful`, which
+        changes no shortest plan.
         """
-        return self._priced(self._stop_rows)
+        return self._priced(self._stop_rows, 1.0)
 
     @cached_property
     def _stop_rows(self) -> npt.NDArray[np.intp]:
@@ -342,16 +348,17 @@ class Instance:
         return dataclasses.replace(self, orders=singles, split=True)
 
     def with_robots(self, count: int | None) -> Instance:
-        """Return the instance with `count` robots like the largest; ``None`` sets no limit."""
-        if count is not None and count < 1:
-            raise InputError(
-                f"{count} robots are too few", field="robots", mend="give 1 or more, or 'free'"
-            )
-        if count is not None and count > MAX_ITEMS:
-            raise InputError(
-                f"{count} robots are more than {MAX_ITEMS}", field="robots", mend="give fewer"
-            )
-        model = max(self.robots, key=lambda r: r.capacity)
-        wanted = max(len(self.orders), 1) if count is None else count
-        robots = tuple(dataclasses.replace(model, id=f"R{k + 1}", trips=1) for k in range(wanted))
-        return dataclasses.replace(self, robots=robots)
+        """Return the instance with another number of robots.
+
+        Parameters
+        ----------
+        count
+            Fewer than there are: the first of them. More: further ones like them, if all are
+            alike. ``None``: no limit, which means one trip of the largest for each order.
+
+        Raises
+        ------
+        InputError
+            When the count is out of range, or more than there are of an unlike fleet.
+        """
+        return dataclasses.replace(self, robots=fleet_of_size(self.robots, count, len(self.orders)))

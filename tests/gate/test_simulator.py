@@ -131,7 +131,7 @@ def test_a_state_that_does_not_fit_is_refused_before_it_is_made(
 def test_sizes_are_readable() -> None:
     assert memory.readable(1000) == "1000 bytes"
     assert memory.readable(3 << 29) == "1.5 GiB"
-    assert memory.readable(24 << 160).endswith("EiB")
+    assert memory.readable(24 << 160) == "10^49 bytes"
     assert memory.available() > 0
 
 

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 import subprocess
 import sys
+import tempfile
 import threading
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from oracles import least_distance, paper_shaped, subset_programme
 from processes import HANG
 from strategies import instances
@@ -95,14 +99,18 @@ def test_bounds_hold_with_tight_capacity_and_are_useful(seed: int) -> None:
             table_instance([19, 3, 19], 15, 4),
             "items 1, 3 weigh 19 each: no robot holds more than 15",
         ),
-        (table_instance([15, 15, 15, 16], 16, 3), "total load 61 exceeds 3 x 16"),
+        (
+            table_instance([15, 15, 15, 16], 16, 3),
+            "total load 61 exceeds 3 x 16; enough would be 4 robots (--robots 4), or a capacity "
+            "of 30 (--capacity 30)",
+        ),
         (table_instance([15.5, 15.5, 15, 15], 15.5, 3), "total load 61 exceeds 3 x 15.5"),
         (table_instance([6, 6, 6], 11, 2), "all weights are multiples of 6, so 2 x 11 hold"),
         (table_instance([6, 6, 7], 11, 2), "3 orders weigh more than half"),
         (
             table_instance([8, 8, 3], 10, 3, [(1, 2), (3,)]),
-            "order o1 weighs 16: no robot holds more than 10; each item alone would fit: "
-            "allow split orders (--split-orders)",
+            "order o1 weighs 16: no robot holds more than 10; enough would be a capacity of 16 "
+            "(--capacity 16), or orders that may be split (--split-orders)",
         ),
         (table_instance([4, 4, 4, 3, 3], 9, 2), "cannot be packed into 2 trips of at most 9 each"),
     ],
@@ -112,6 +120,32 @@ def test_infeasible_input_gets_the_reason(instance: Instance, reason: str) -> No
         qrobot.solve(instance, max_work=100)
     assert reason in caught.value.reason
     assert caught.value.proven
+
+
+@settings(deadline=None, max_examples=60)
+@given(instances(min_items=1, max_items=7, multi_trip=True), st.sampled_from([1, 2, 4, 5]))
+def test_what_a_refusal_says_to_be_enough_is_enough(instance: Instance, part: int) -> None:
+    """Every option in the text, alone, must lead to a plan; through files, as users do."""
+    small = tuple(replace(r, capacity=r.capacity / part) for r in instance.robots)
+    instance = replace(instance, robots=small)
+    try:
+        qrobot.solve(instance, max_work=30)
+        return
+    except qrobot.InfeasibleError as error:
+        reason = error.reason
+    options = re.findall(r"\(--([a-z-]+)(?: ([^)]+))?\)", reason)
+    assert options, reason
+    for name, value in options:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "one.json")
+            qrobot.write(instance, path)
+            given: dict[str, Any] = {
+                "robots": {"robots": int(value) if value.isdigit() else value},
+                "capacity": {"capacity": value},
+                "split-orders": {"split_orders": True},
+            }[name]
+            mended = qrobot.read(path, **given)
+        assert qrobot.check(qrobot.solve(mended, max_work=50).plan, mended).ok, reason
 
 
 def test_split_orders_make_the_heavy_order_possible() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -178,15 +179,32 @@ def test_split_orders_stand_alone() -> None:
     assert not one.split
 
 
-def test_another_number_of_robots() -> None:
-    small, large = Robot("a", 5, trips=3), Robot("b", 9)  # type: ignore[arg-type]
-    one = make(A, B, robots=(small, large))
-    assert [(r.id, r.capacity) for r in one.with_robots(3).robots] == [
-        ("R1", 9),
-        ("R2", 9),
-        ("R3", 9),
+def test_fewer_robots_are_the_first_of_those_that_there_are() -> None:
+    fleet = (
+        Robot("a", Fraction(5), trips=3),
+        Robot("b", Fraction(9), speed=0.5),
+        Robot("c", Fraction(7)),
+    )
+    one = make(A, B, robots=fleet)
+    for count in (1, 2, 3):
+        assert one.with_robots(count).robots == fleet[:count]
+
+
+def test_more_robots_are_like_those_that_there_are_where_these_are_alike() -> None:
+    alike = (Robot("R2", Fraction(5), trips=2), Robot("x", Fraction(5), trips=2))
+    more = make(A, B, robots=alike).with_robots(4).robots
+    assert more[:2] == alike
+    assert [(r.id, r.capacity, r.trips) for r in more[2:]] == [("R1", 5, 2), ("R3", 5, 2)]
+    unlike = make(A, B, robots=(Robot("a", Fraction(5)), Robot("b", Fraction(9))))
+    with pytest.raises(InputError, match="3 robots are more than the 2 that there are, and"):
+        unlike.with_robots(3)
+
+
+def test_no_limit_is_a_trip_of_the_largest_for_each_order() -> None:
+    one = make(A, B, robots=(Robot("a", Fraction(5), trips=3), Robot("b", Fraction(9))))
+    assert [(r.capacity, r.trips) for r in one.with_robots(None).robots] == [
+        (9, 1) for _ in one.orders
     ]
-    assert len(one.with_robots(None).robots) == len(one.orders)
     assert len(make().with_robots(None).robots) == 1
 
 

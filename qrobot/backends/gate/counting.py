@@ -24,6 +24,7 @@ from qrobot.backends.gate.state.subspace import SubspaceQAOA
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.models.fleet import fleet_of
 from qrobot.problem import Instance
+from qrobot.problem.packing import what_is_enough
 
 __all__ = ["Spectrum", "spectrum"]
 
@@ -102,7 +103,9 @@ def spectrum(instance: Instance) -> Spectrum:
         counts = np.zeros_like(counts)
     levels = np.flatnonzero(counts)
     if not levels.size:
-        raise InfeasibleError("no plan fits the capacities of the robots")
+        raise InfeasibleError(
+            f"no plan fits the capacities of the robots; {what_is_enough(instance)}"
+        )
     return Spectrum(levels.astype(np.float64), counts[levels])
 
 

@@ -33,7 +33,7 @@ def room(qubits: int, where: str, mend: str = "use a smaller model or a remote d
         With the number of qubits and the memory that they need.
     """
     what = f"a state of {qubits} qubits on {where}"
-    memory.require(BYTES << qubits, what, mend)
+    memory.require(BYTES << qubits, what, mend, qubits=qubits)
 
 
 def attempt(name: str, doing: str, call: Callable[[], T]) -> T:

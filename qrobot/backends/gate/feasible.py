@@ -25,6 +25,7 @@ from qrobot.errors import BackendError, InfeasibleError
 from qrobot.models.fleet import fleet_of
 from qrobot.models.slack import Slack, slack_bits, slack_coefficients
 from qrobot.problem import Instance
+from qrobot.problem.packing import what_is_enough
 
 __all__ = ["FeasibleSet", "all_sequences", "feasible_set", "slack_label", "x_label"]
 
@@ -192,7 +193,9 @@ def feasible_set(instance: Instance) -> FeasibleSet:
         costs.append(cost)
     made = FeasibleSet(instance, np.concatenate(parts), np.concatenate(costs))
     if not made.size:
-        raise InfeasibleError("no plan fits the capacities of the robots")
+        raise InfeasibleError(
+            f"no plan fits the capacities of the robots; {what_is_enough(instance)}"
+        )
     order = np.argsort(made.codes, kind="stable")
     return FeasibleSet(instance, made.sequences[order], made.costs[order])
 

@@ -17,8 +17,8 @@ __all__ = ["aligned", "available", "pair", "readable", "require"]
 GAP = 5 << 14
 """Bytes between the two arrays of `pair`."""
 
-LARGEST = 1 << 200
-"""Bytes; nobody wants to read more than a power of ten of what is larger."""
+LARGEST = 1 << 70
+"""Bytes, a thousand EiB; nobody wants to read more than a power of ten of what is larger."""
 
 GROUPS = (
     ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
@@ -42,7 +42,9 @@ def available() -> int:
     return room
 
 
-def require(needed: int, what: str, mend: str = "use a smaller model") -> None:
+def require(
+    needed: int, what: str, mend: str = "use a smaller model", *, qubits: int | None = None
+) -> None:
     """Refuse before allocating when memory is too small.
 
     Parameters
@@ -53,6 +55,8 @@ def require(needed: int, what: str, mend: str = "use a smaller model") -> None:
         What needs them, with the number of qubits or states: ``"a state of 40 qubits"``.
     mend
         What the user can do about it, as a clause.
+    qubits
+        Where every qubit doubles the need: how many they are, to say how many would fit.
 
     Raises
     ------
@@ -61,6 +65,9 @@ def require(needed: int, what: str, mend: str = "use a smaller model") -> None:
     """
     room = available()
     if needed > room:
+        if qubits is not None:
+            fit = next((q for q in range(qubits, 0, -1) if needed >> (qubits - q) <= room), 0)
+            mend = f"at most {fit} qubits fit; {mend}"
         raise BackendError(
             f"{what} needs {_counted(needed)} and {_counted(room)} are available; {mend}"
         )

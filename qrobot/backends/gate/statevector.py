@@ -123,7 +123,8 @@ class StatevectorSampler(PickingSampler):
             raise InputError("gammas and betas come together", field="betas")
         clock = [time.perf_counter()]
         what = f"holding the state and the energies of {bqm.num_variables} qubits (at least)"
-        memory.require(12 << bqm.num_variables, what)  # before the couplings are a matrix
+        # Before the couplings are a matrix.
+        memory.require(12 << bqm.num_variables, what, qubits=bqm.num_variables)
         form = Form.from_bqm(bqm)
         if not form.qubits:
             return constant_samples(bqm, num_reads)

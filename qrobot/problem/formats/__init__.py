@@ -41,7 +41,7 @@ def read(
         The layout of CSV orders; by default ``<stem>.layout.json`` or ``layout.json``
         beside them.
     robots
-        Another number of robots (all like the largest), or ``"free"`` for as many as wanted.
+        Another number of robots (see `Instance.with_robots`), or ``"free"`` for no limit.
     capacity
         Another capacity of every robot.
     split_orders

@@ -102,7 +102,7 @@ def _proven(instance: Instance) -> tuple[Result, str]:
     try:
         solve(replace(instance, robots=instance.robots[: used - 1]), backend="exact", deadline=60)
     except InfeasibleError as error:
-        return result, f"{used - 1} cannot: {error}"
+        return result, f"{used - 1} cannot: {error.reason.partition('; ')[0]}"
     return result, f"{used - 1} could, by a longer way"
 
 

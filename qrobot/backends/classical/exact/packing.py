@@ -8,6 +8,7 @@ from qrobot.backends.base import Routes, Stop
 from qrobot.backends.classical.cpsat import new_solver, solve
 from qrobot.errors import MissingExtraError
 from qrobot.problem import Instance
+from qrobot.problem.packing import what_is_enough
 
 __all__ = ["no_packing", "no_way", "pack"]
 
@@ -73,7 +74,7 @@ def no_packing(instance: Instance) -> str:
     return (
         f"the {len(instance.orders)} orders (total load {instance.weights.sum() * unit:g}) cannot "
         f"be packed into {len(capacities)} trips of at most {' / '.join(sizes)} each: "
-        "every split was tried"
+        f"every split was tried; {what_is_enough(instance)}"
     )
 
 

@@ -37,7 +37,7 @@ def _pairs(n: int) -> tuple[Rows, Rows, Rows]:
     return parts.astype(np.intp), (sets ^ parts).astype(np.intp), starts.astype(np.intp)
 
 
-def best_split(trip_costs: list[Floats]) -> tuple[float, list[int]]:
+def best_split(trip_costs: list[Floats]) -> tuple[float, list[int], Floats]:
     """Split all elements over trips at the least total cost.
 
     Parameters
@@ -49,7 +49,8 @@ def best_split(trip_costs: list[Floats]) -> tuple[float, list[int]]:
     Returns
     -------
     tuple
-        The least cost (``inf`` when no split fits) and the mask of each trip.
+        The least cost (``inf`` when no split fits), the mask of each trip, and what every
+        subset costs without the last trip.
     """
     size = len(trip_costs[0])
     n = size.bit_length() - 1
@@ -62,7 +63,7 @@ def best_split(trip_costs: list[Floats]) -> tuple[float, list[int]]:
     left = size - 1
     total = float(best[-1][left])
     if not np.isfinite(total):
-        return total, []
+        return total, [], best[max(len(best) - 2, 0)]
     masks = []
     for k in range(len(trip_costs) - 1, 0, -1):
         run = slice(starts[left], starts[left + 1] if left + 1 < size else None)
@@ -70,4 +71,4 @@ def best_split(trip_costs: list[Floats]) -> tuple[float, list[int]]:
         masks.append(int(rests[run][taken]))
         left = int(parts[run][taken])
     masks.append(left)
-    return total, [m for m in masks if m]
+    return total, [m for m in masks if m], best[max(len(best) - 2, 0)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -21,19 +20,25 @@ from qrobot.backends.classical.exact.subsets import (
     shortest_tours,
 )
 from qrobot.backends.classical.whole import whole_costs
+from qrobot.backends.batching import BatchingPlanner
+from qrobot.backends.exact.columns import MAX_ENTRIES, Columns, check_size, columns_of
+from qrobot.backends.exact.cover import cheapest_cover, lagrangian
+from qrobot.backends.exact.packing import no_packing, no_way
+from qrobot.backends.exact.partition import MAX_ELEMENTS, best_split
+from qrobot.backends.whole import whole_costs
 from qrobot.errors import BackendError
 from qrobot.problem import Instance
 
 __all__ = ["MAX_ENTRIES", "ExactPlanner"]
-
-MAX_ENTRIES = 6_000_000
-"""Entries of the tour table (48 MB): more sets than that are refused."""
 
 MAX_COLUMNS = 150_000
 """More trips than this after pricing are too many for CP-SAT's memory on a small robot."""
 
 FIRST_SHARE, FIRST_ROUNDS = 0.1, 300
 """Of the time, and rounds of ruin and recreate, for a plan to begin with."""
+
+AT_ONCE = 24
+"""Tours that are measured between two splits."""
 
 RESOLUTION, LARGEST = 1e9, 2.0**45
 """Units in a usual distance when distances are not whole, and the most that a plan may cost:
@@ -43,42 +48,14 @@ ROUNDING = 1e-13
 """Of the largest distance: what sums of distances are rounded by."""
 
 
-@dataclass(frozen=True, slots=True)
-class Columns:
-    """Every trip that some robot can carry, at its least length.
-
-    Parameters
-    ----------
-    masks
-        Sets of orders, shape (N,), smallest first.
-    loads
-        Their weights in units, shape (N,).
-    lengths
-        Their shortest tours, shape (N,).
-    tours, stop_masks, stops
-        Held-Karp table over stops, each column's set of stops, and the nodes of each stop.
-    """
-
-    masks: Ints
-    loads: Ints
-    lengths: npt.NDArray[np.float64]
-    tours: Tours
-    stop_masks: Ints
-    stops: tuple[tuple[int, ...], ...]
-
-    def route(self, row: int) -> list[int]:
-        """Return the nodes of a column in the sequence of its shortest tour."""
-        sequence = self.tours.stops(self.tours.row(int(self.stop_masks[row])))
-        return [node for stop in sequence for node in self.stops[stop]]
-
-
 class ExactPlanner:
     """Exact plans for small instances, with proof.
 
     All sets of orders that fit on one robot are enumerated, each gets its shortest tour
-    (Held and Karp 1962), and the best split over the robots is found by a subset
-    convolution (up to 13 orders) or by set partition with CP-SAT. A limit of work limits
-    CP-SAT's deterministic time; the enumeration before it is limited by `MAX_ENTRIES`.
+    (Held and Karp 1962; up to 13 orders of several stops only where the split needs it), and
+    the best split over the robots is found by a subset convolution (up to 13 orders) or by
+    set partition with CP-SAT. A limit of work limits CP-SAT's deterministic time; what is
+    before it is limited by numbers of sets and stops.
     """
 
     name = "exact"
@@ -87,10 +64,14 @@ class ExactPlanner:
     def fits(self, instance: Instance) -> bool:
         """Return whether the instance is small enough."""
         try:
-            _check_size(instance)
+            check_size(instance)
         except BackendError:
             return False
         return True
+
+    def at_once(self, instance: Instance) -> bool:
+        """Return whether a proof takes no longer than a fraction of a second."""
+        return len(instance.orders) <= MAX_ELEMENTS and self.fits(instance) and check_size(instance)
 
     def search(
         self,
@@ -112,8 +93,8 @@ class ExactPlanner:
         """
         if not instance.orders:
             return Search(routes=[], optimal=True)
-        _check_size(instance)
-        if start is None and len(instance.orders) > MAX_ELEMENTS:
+        shared = check_size(instance)
+        if start is None and (len(instance.orders) > MAX_ELEMENTS or not shared):
             # A plan to begin with: it prices most columns out, and is there when time is up.
             left = FIRST_SHARE * stop.remaining if stop.remaining < math.inf else None
             quick = stop.within(left, max_work=FIRST_ROUNDS)
@@ -122,14 +103,13 @@ class ExactPlanner:
                 on_best(start, instance.length(start))
         if start is not None and math.isinf(instance.length(start)):
             start = None  # it takes a forbidden way
-        columns = _columns(instance, stop)
+        columns = columns_of(instance, stop)
         if columns is None:
             return Search(routes=start)
         work = len(columns.masks)
         capacities = instance.vehicle_capacities
         if len(instance.orders) <= MAX_ELEMENTS:
-            routes, proven = _split(instance, columns, capacities), True
-            bound = 0.0
+            routes, proven, bound = _split(instance, columns, capacities, stop, start)
         else:
             routes, proven, bound = _cover(instance, columns, capacities, stop, seed, start)
         if routes is None:
@@ -145,42 +125,50 @@ class ExactPlanner:
         return Search(routes=routes, bound=cost if proven else bound, optimal=proven, work=work)
 
 
-def _check_size(instance: Instance) -> None:
-    stops = instance.stops
-    limit = MAX_ENTRIES // max(len(stops), 1)
-    weights = instance.stop_weights.tolist()
-    largest = int(instance.vehicle_capacities.max(initial=0))
-    if len(stops) > 50 or count_subsets(weights, largest, limit) >= limit:
-        raise BackendError(
-            f"backend exact: {len(instance.orders)} orders with {len(stops)} stops have too many"
-            f" sets that fit on one robot (more than {limit}); use backend auto or pyvrp"
-        )
-
-
-def _columns(instance: Instance, stop: Stop) -> Columns | None:
-    """Return all trips, or None when stopped."""
-    stops = instance.stops
-    largest = int(instance.vehicle_capacities.max())
-    sets, _ = fitting_subsets(instance.stop_weights.tolist(), largest)
-    tours = shortest_tours(sets, instance.stop_distances, stop)
-    if tours is None:
-        return None
-    masks, loads = fitting_subsets(instance.order_weights.tolist(), largest)
-    stop_masks = np.zeros(len(masks), dtype=np.int64)
-    for s, nodes in enumerate(stops):
-        owner = int(instance.order_of_node[nodes[0]])
-        stop_masks |= ((masks >> owner) & 1) << s
-    lengths = tours.lengths[tours.rows(stop_masks)]
-    return Columns(masks, loads, lengths, tours, stop_masks, stops)
-
-
 def _split(
-    instance: Instance, columns: Columns, capacities: npt.NDArray[np.int64]
-) -> Routes | None:
+    instance: Instance,
+    columns: Columns,
+    capacities: npt.NDArray[np.int64],
+    stop: Stop,
+    start: Routes | None,
+) -> tuple[Routes | None, bool, float]:
+    """Return routes, whether they (or their absence) are proven, and a lower bound.
+
+    Where tours are not known yet, their lower bounds take their place; the tours that the
+    best split asks for are measured until all of its own are known. No other split is
+    shorter then: its tours are no shorter than their bounds.
+    """
     # One more trip costs a hair, so that ties in distance go to fewer robots.
     tie = 0.5 / whole_costs(instance, RESOLUTION, len(instance.orders), LARGEST).scale
     tie /= len(instance.orders) + 1
     tie = max(tie, ROUNDING * float(instance.stop_distances.max()))
+    row = {int(mask): i for i, mask in enumerate(columns.masks)}
+    known = math.inf if start is None else instance.length(start) + tie * (len(start) - 0.5)
+    bound = 0.0
+    while True:
+        total, masks, before = best_split(_tables(instance, columns, capacities, tie))
+        if not np.isfinite(total):
+            return None, True, bound
+        rows = [row[mask] for mask in masks]
+        bound = max(bound, float(columns.lengths[rows].sum()))
+        if columns.known[rows].all():
+            return [columns.route(r) for r in rows], True, bound
+        if total >= known:
+            return start, True, bound
+        # Beside the trips of this split those that others as short would ask for.
+        others = columns.lengths + before[(1 << len(instance.orders)) - 1 - columns.masks]
+        near = np.argsort(np.where(columns.known, np.inf, others), kind="stable")[:AT_ONCE]
+        for r in dict.fromkeys([*rows, *near[others[near] < known].tolist()]):
+            if columns.known[r]:
+                continue
+            if stop() or not columns.improve(r, stop):
+                return start, False, bound
+
+
+def _tables(
+    instance: Instance, columns: Columns, capacities: npt.NDArray[np.int64], tie: float
+) -> list[npt.NDArray[np.float64]]:
+    """Return for each trip what every set of orders costs."""
     tables = []
     for capacity in capacities.tolist():
         fits = columns.loads <= capacity
@@ -188,11 +176,7 @@ def _split(
         table[0] = 0.0
         table[columns.masks[fits]] = columns.lengths[fits] + tie
         tables.append(table)
-    total, masks = best_split(tables)
-    if not np.isfinite(total):
-        return None
-    row = {int(mask): i for i, mask in enumerate(columns.masks)}
-    return [columns.route(row[mask]) for mask in masks]
+    return tables
 
 
 def _cover(

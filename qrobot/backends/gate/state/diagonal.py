@@ -94,7 +94,7 @@ class DiagonalQAOA:
         mend = "use a smaller model"
         if self.dtype == np.float64 and size // 2 <= memory.available():
             mend = "use precision 'single'"
-        memory.require(size, f"holding {what} of {self.qubits} qubits", mend)
+        memory.require(size, f"holding {what} of {self.qubits} qubits", mend, qubits=self.qubits)
 
     # -- the state -------------------------------------------------------------------
 

@@ -36,7 +36,8 @@ def state(circuit: Circuit, angles: Iterable[float] = ()) -> States:
     BackendError
         When the state does not fit into memory.
     """
-    memory.require(40 << circuit.qubits, f"the state of a circuit of {circuit.qubits} qubits")
+    what = f"the state of a circuit of {circuit.qubits} qubits"
+    memory.require(40 << circuit.qubits, what, qubits=circuit.qubits)
     found = np.zeros(2**circuit.qubits, dtype=np.complex128)
     found[0] = 1.0
     for gate, angle in circuit.turned(angles):

@@ -1,0 +1,82 @@
+"""What would be enough: how many robots, or how large, so that some plan certainly exists."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+
+from qrobot.problem.instance import Instance
+
+__all__ = ["what_is_enough"]
+
+MOST_TRIED = 2_000
+"""Orders beyond which capacities are not tried."""
+
+DIGITS = 6
+"""Decimals of an advised capacity, rounded up."""
+
+
+def what_is_enough(instance: Instance) -> str:
+    """Return a clause that names options under which a plan exists, each by itself.
+
+    Not the least that could do, but what a first-fit packing (heaviest first) proves to do.
+    """
+    options = []
+    weights = instance.order_weights.tolist()
+    largest = int(instance.vehicle_capacities[0])
+    alike = len({(r.capacity, r.speed, r.trips) for r in instance.robots}) == 1
+    if max(weights) <= largest:
+        if alike:
+            trips = instance.robots[0].trips
+            count = math.ceil(len(_first_fit(weights, [largest] * len(weights)) or []) / trips)
+            options.append(f"{count} robots (--robots {count})")
+        else:
+            options.append("as many of the largest robot as wanted (--robots free)")
+    seats = sum(min(robot.trips, len(weights)) for robot in instance.robots)
+    capacity = _written(_least_capacity(weights, seats) * instance.unit)
+    options.append(f"a capacity of {capacity} (--capacity {capacity})")
+    if len(instance.orders) < instance.size:
+        single = instance.split_orders()
+        rooms = single.vehicle_capacities.tolist()
+        if _first_fit(single.order_weights.tolist(), rooms) is not None:
+            options.append("orders that may be split (--split-orders)")
+    return "enough would be " + ", or ".join(options)
+
+
+def _first_fit(weights: list[int], rooms: list[int]) -> list[int] | None:
+    """Return the trips that are used, heaviest orders first, None if one finds no room."""
+    left = np.array(rooms, dtype=np.int64)
+    used = np.zeros(len(rooms), dtype=bool)
+    for weight in sorted(weights, reverse=True):
+        fits = left >= weight
+        if not fits.any():
+            return None
+        at = int(fits.argmax())
+        left[at] -= weight
+        used[at] = True
+    return [int(at) for at in np.flatnonzero(used)]
+
+
+def _least_capacity(weights: list[int], seats: int) -> int:
+    """Return a small capacity with which so many trips surely hold everything."""
+    low = max(*weights, -(-sum(weights) // seats), 1)
+    # A load that fits nowhere finds every trip fuller than the mean: this is always enough.
+    high = max(sum(weights) // seats + max(weights), 1)
+    if len(weights) > MOST_TRIED:
+        return high
+    while low < high:  # first fit is not monotone: what is returned was tried
+        middle = (low + high) // 2
+        if _first_fit(weights, [middle] * seats) is None:
+            low = middle + 1
+        else:
+            high = middle
+    return high
+
+
+def _written(value: Fraction) -> str:
+    """Return a number as people write it, rounded up."""
+    digits = math.ceil(value * 10**DIGITS)
+    text = f"{digits // 10**DIGITS}.{digits % 10**DIGITS:0{DIGITS}d}"
+    return text.rstrip("0").rstrip(".")
