@@ -12,8 +12,6 @@ import time
 
 from qrobot.backends import Stop
 from qrobot.backends.classical.exact import ExactPlanner
-from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
-from qrobot.backends.exact import ExactPlanner
 from qrobot.plan import Plan, check
 from qrobot.planning.bounds import forest_bound, load_steps, quick_bound, walk_bound
 from qrobot.planning.run import Run

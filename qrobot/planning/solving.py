@@ -21,7 +21,6 @@ from qrobot.planning.run import TIE, Progress, Run
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 from qrobot.problem.packing import what_is_enough
-from qrobot.remote import run_with_fallback
 
 __all__ = ["DEFAULT_DEADLINE", "result_of", "solve"]
 

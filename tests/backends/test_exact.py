@@ -16,14 +16,11 @@ from strategies import instances
 
 import qrobot
 from qrobot.backends import Stop
+from qrobot.backends.classical.batching import BatchingPlanner, tour_length
 from qrobot.backends.classical.exact import ExactPlanner, pack
 from qrobot.backends.classical.exact.partition import best_split
 from qrobot.backends.classical.exact.subsets import count_subsets, fitting_subsets, shortest_tours
-from qrobot.backends.batching import BatchingPlanner, tour_length
-from qrobot.backends.exact import ExactPlanner, pack
-from qrobot.backends.exact.partition import best_split
-from qrobot.backends.exact.subsets import count_subsets, fitting_subsets, shortest_tours
-from qrobot.backends.exact.tours import shortest_tour, tour_bound
+from qrobot.backends.classical.exact.tours import shortest_tour, tour_bound
 from qrobot.errors import BackendError
 from qrobot.planning.run import plan_fits
 from qrobot.problem import (
@@ -164,7 +161,7 @@ def test_orders_of_several_stops_are_counted_not_their_stops(
 def test_measuring_tours_on_demand_finds_the_optimum_of_the_oracle(instance: Instance) -> None:
     """The way of the planner for orders of many stops, forced onto small ones."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("qrobot.backends.exact.columns.MAX_ENTRIES", 0)
+        patch.setattr("qrobot.backends.classical.exact.columns.MAX_ENTRIES", 0)
         if not instance.whole_orders:
             return
         found = ExactPlanner().search(instance, stop=Stop(max_work=40))

@@ -6,8 +6,9 @@ import dimod
 import numpy as np
 import pytest
 
-from qrobot.backends.gate import analytic, jit, memory
+from qrobot.backends.gate import analytic, memory
 from qrobot.backends.gate.form import Form, diagonal
+from qrobot.backends.gate.state import jit
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
 from qrobot.errors import BackendError, InputError
 

@@ -223,7 +223,7 @@ def test_a_killed_process_leaves_a_task_that_another_one_fetches(when, tmp_path,
     # Another process knows the id and the region alone, and makes its own session.
     asked = []
     monkeypatch.setattr(
-        "qrobot.jobs.circuits.session", lambda region: asked.append(region) or session
+        "qrobot.backends.braket.jobs.session", lambda region: asked.append(region) or session
     )
     monkeypatch.setenv("XDG_STATE_HOME", str(state))
     with JobStore() as store:
@@ -251,7 +251,7 @@ def test_cancelling_by_id(tmp_path, monkeypatch):
     session.state = "QUEUED"
     given = on(session, wait=False, **TURNED)
     name = get("braket-vqe").sample(pattern_model(), **given).info["remote"]["id"]
-    monkeypatch.setattr("qrobot.jobs.circuits.session", lambda region: session)
+    monkeypatch.setattr("qrobot.backends.braket.jobs.session", lambda region: session)
     done = CliRunner().invoke(jobs.command, ["cancel", name], catch_exceptions=False)
     assert done.output == f"{name} is cancelled\n"
     assert len(session.cancelled) == 1

@@ -13,7 +13,7 @@ import pytest
 from processes import HANG
 
 from qrobot.errors import InputError
-from qrobot.report import bench
+from qrobot.study import bench
 from qrobot.study.bench import BenchRow, Task, find_instances, run_bench, tasks
 from qrobot.study.bench_faces import bench_csv, bench_markdown, bench_plot, summaries
 from qrobot.study.bench_worker import run

@@ -13,15 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.backends.exact.partition import MAX_ELEMENTS
-from qrobot.backends.exact.subsets import (
-    Masks,
+from qrobot._arrays import Ints
+from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
+from qrobot.backends.classical.exact.subsets import (
     Tours,
     count_subsets,
     fitting_subsets,
     shortest_tours,
 )
-from qrobot.backends.exact.tours import MAX_LISTED, MAX_STOPS, shortest_tour, tour_bound
+from qrobot.backends.classical.exact.tours import MAX_LISTED, MAX_STOPS, shortest_tour, tour_bound
 from qrobot.backends.registry import available
 from qrobot.errors import BackendError
 from qrobot.problem import Instance
@@ -55,8 +55,8 @@ class Columns:
     """
 
     instance: Instance
-    masks: Masks
-    loads: Masks
+    masks: Ints
+    loads: Ints
     lengths: npt.NDArray[np.float64]
     known: npt.NDArray[np.bool_]
     _tours: Tours | None
@@ -140,7 +140,7 @@ def _too_large(instance: Instance, why: str) -> BackendError:
     )
 
 
-def _membership(masks: Masks, orders: int) -> npt.NDArray[np.int64]:
+def _membership(masks: Ints, orders: int) -> npt.NDArray[np.int64]:
     return (masks[:, None] >> np.arange(orders)) & 1
 
 

@@ -9,23 +9,11 @@ import numpy.typing as npt
 
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
 from qrobot.backends.classical.batching import BatchingPlanner
+from qrobot.backends.classical.exact.columns import MAX_ENTRIES, Columns, check_size, columns_of
 from qrobot.backends.classical.exact.cover import cheapest_cover, lagrangian
 from qrobot.backends.classical.exact.packing import no_packing, no_way
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS, best_split
-from qrobot.backends.classical.exact.subsets import (
-    Ints,
-    Tours,
-    count_subsets,
-    fitting_subsets,
-    shortest_tours,
-)
 from qrobot.backends.classical.whole import whole_costs
-from qrobot.backends.batching import BatchingPlanner
-from qrobot.backends.exact.columns import MAX_ENTRIES, Columns, check_size, columns_of
-from qrobot.backends.exact.cover import cheapest_cover, lagrangian
-from qrobot.backends.exact.packing import no_packing, no_way
-from qrobot.backends.exact.partition import MAX_ELEMENTS, best_split
-from qrobot.backends.whole import whole_costs
 from qrobot.errors import BackendError
 from qrobot.problem import Instance
 

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qrobot.backends.batching.tour import improve_tour, tour_length
-from qrobot.backends.exact.subsets import fitting_subsets, shortest_tours
+from qrobot._arrays import Floats, Ints
+from qrobot.backends.classical.batching.tour import improve_tour, tour_length
+from qrobot.backends.classical.exact.subsets import fitting_subsets, shortest_tours
 
 __all__ = ["MAX_STOPS", "shortest_tour", "tour_bound"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 MAX_LISTED = 12
 """Stops whose subsets are all listed: 4,096."""
