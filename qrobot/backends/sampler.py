@@ -93,6 +93,7 @@ def _checked(sample: Callable[..., Any]) -> Callable[..., Any]:
                 mend=_other_model(bqm),
             )
         check_parameters(self, parameters)
+        check_finite(bqm)
         return sample(self, bqm, *rest, **parameters)
 
     return checked

@@ -13,7 +13,6 @@ from qrobot.backends.sampler import (
     STARTS,
     Parameter,
     PickingSampler,
-    check_finite,
     constant_samples,
 )
 from qrobot.errors import InputError
@@ -59,7 +58,6 @@ class DescentSampler(PickingSampler):
         InputError
             When a coefficient is not finite, or a parameter cannot be used.
         """
-        check_finite(bqm)
         if not bqm.num_variables:
             return constant_samples(bqm, parameters.get("num_reads") or 1)
         if isinstance(seed := parameters.get("seed"), int):

@@ -18,7 +18,6 @@ from qrobot.backends.sampler import (
     STARTS,
     Parameter,
     PickingSampler,
-    check_finite,
     constant_samples,
 )
 from qrobot.errors import InputError
@@ -135,7 +134,6 @@ class NealSampler(PickingSampler):
         """
         from dwave.samplers import SimulatedAnnealingSampler
 
-        check_finite(bqm)
         if not bqm.num_variables:
             return constant_samples(bqm, num_reads or 1)
         try:

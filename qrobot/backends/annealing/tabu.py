@@ -14,7 +14,6 @@ from qrobot.backends.sampler import (
     STARTS,
     Parameter,
     PickingSampler,
-    check_finite,
     constant_samples,
 )
 from qrobot.errors import InputError
@@ -114,7 +113,6 @@ class TabuSampler(PickingSampler):
         """
         from dwave.samplers import TabuSampler as Tabu
 
-        check_finite(bqm)
         if not bqm.num_variables:
             return constant_samples(bqm, num_reads or 1)
         # The library counts the changes that it weighs: as many as variables for a move.

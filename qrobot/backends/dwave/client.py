@@ -11,7 +11,7 @@ import dimod
 
 from qrobot.backends.base import Capabilities
 from qrobot.backends.dwave.jobs import DWaveJobs, check_token, connection, run_seconds
-from qrobot.backends.sampler import Parameter, PickingSampler, check_finite
+from qrobot.backends.sampler import Parameter, PickingSampler
 from qrobot.errors import MissingExtraError, RemoteError
 from qrobot.jobs import (
     LIMITS,
@@ -150,7 +150,6 @@ class DWaveCloudSampler(PickingSampler):
         BackendError
             When the model does not fit, or would cost too much.
         """
-        check_finite(bqm)
         options = Options.take_from(parameters)
         self._limit, self._backoff = options.timeout, options.backoff
         self._asked = options.interrupt_function

@@ -128,7 +128,6 @@ class VariationalSampler(PickingSampler):
             When the model does not fit, would cost too much, or the device fails.
         """
         options, own, life = self._asked(parameters)
-        check_finite(bqm)
         if not self.check(bqm.num_variables, options, own) and bqm.num_variables:
             return self._sample_remotely(bqm, options, own, life)
         check_budget(FREE, life.max_cost)
