@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import errno
 import importlib
+import logging
 import sys
 import traceback
-from contextlib import suppress
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import click
@@ -90,7 +93,8 @@ def main(arguments: list[str] | None = None) -> None:
     debug = "--debug" in words  # wherever it stands
     words = [word for word in words if word != "--debug"]
     try:
-        code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
+        with quiet_libraries(debug):
+            code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
     except click.exceptions.Exit as done:
         code = done.exit_code
     except SystemExit as done:  # a command that tells its own code
@@ -123,6 +127,26 @@ def main(arguments: list[str] | None = None) -> None:
         except OSError:
             drop(stream)  # Python 3.13 ends with 120 when it cannot flush, whatever the code was
     sys.exit(code if isinstance(code, int) else 0)
+
+
+@contextmanager
+def quiet_libraries(debug: bool) -> Iterator[None]:
+    """Keep warnings and log lines of libraries from users, who can do nothing about them.
+
+    ``--debug``, ``python -W`` and ``PYTHONWARNINGS`` show them. Filters would not do: libraries
+    add some of their own.
+    """
+    if debug or sys.warnoptions:
+        yield
+        return
+    handler = logging.lastResort
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda *_, **__: None
+        logging.lastResort = None
+        try:
+            yield
+        finally:
+            logging.lastResort = handler
 
 
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:

@@ -155,8 +155,10 @@ def command(
         if picture:
             from qrobot.report import plot
 
-            for path in picture:
-                plot(result, path)
+            # Told with --quiet too: whoever reads the picture would miss it.
+            notes = dict.fromkeys(note for path in picture for note in plot(result, path))
+            for note in notes:
+                click.echo(f"note: {note}", err=True)
     except QRobotError as error:
         trouble = error
     if as_json:

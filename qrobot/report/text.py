@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["columns", "shortened"]
+__all__ = ["columns", "shortened", "shown"]
 
 
 def columns(
@@ -39,3 +39,9 @@ def columns(
 def shortened(text: str, most: int) -> str:
     """Return a text of at most so many letters."""
     return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def shown(text: str, most: int = 24) -> str:
+    """Return a name as one line of at most so many letters."""
+    line = " ".join(text.split())
+    return shortened("".join(c if c.isprintable() else "\ufffd" for c in line), most)
