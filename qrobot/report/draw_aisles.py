@@ -14,9 +14,10 @@ from matplotlib.patches import Rectangle
 from qrobot.problem import AisleWarehouse, Slot
 from qrobot.report.canvas import Canvas
 from qrobot.report.lanes import XY, Lanes, Line
-from qrobot.report.maps import Look, Map
+from qrobot.report.maps import POINTS, Look, Map
 from qrobot.report.palette import Colour
 from qrobot.report.scene import Journey, Scene
+from qrobot.report.texts import text_width
 
 __all__ = ["draw_aisles"]
 
@@ -267,7 +268,7 @@ def _number(drawn: Map, at: XY, box: XY, stops: list[int], scene: Scene, journey
     elif len(stops) == 2:
         texts = [f"{first},{last}", *texts]
     for text in texts:
-        wide = drawn.points(box[0]) * 0.92 / (0.64 * len(text))
+        wide = drawn.points(box[0]) * 0.84 / (POINTS * text_width(text, 1.0, "bold"))
         size = min(8.5, drawn.points(box[1]) * 0.78, wide)
         if size >= 3.4:
             drawn.number(scene.journeys[journey], at, text, size)

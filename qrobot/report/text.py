@@ -42,6 +42,11 @@ def shortened(text: str, most: int) -> str:
 
 
 def shown(text: str, most: int = 24) -> str:
-    """Return a name as one line of at most so many letters."""
+    """Return a name as one line of at most so many letters.
+
+    A longer one loses its middle: the ends of names that begin alike tell them apart.
+    """
     line = " ".join(text.split())
-    return shortened("".join(c if c.isprintable() else "\ufffd" for c in line), most)
+    line = "".join(c if c.isprintable() else "\ufffd" for c in line)
+    last = most // 2
+    return line if len(line) <= most else f"{line[: most - last - 1]}…{line[-last:]}"

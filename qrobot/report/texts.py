@@ -17,20 +17,22 @@ from qrobot.report.lanes import XY
 __all__ = ["Labels", "text_width"]
 
 POINTS = 72.0
+FINE = 1440.0
+"""Dots per inch to measure with: widths are whole dots."""
 APART = 0.6
 """Points between two texts."""
 
 
 @lru_cache(maxsize=1)
 def _renderer() -> Any:
-    return RendererAgg(8, 8, POINTS)
+    return RendererAgg(8, 8, FINE)
 
 
 def text_width(text: str, size: float, weight: str = "normal") -> float:
     """Return the width of a line of text in inches, in the fonts that are set."""
     font = FontProperties(size=size, weight=weight)
     width, _, _ = _renderer().get_text_width_height_descent(text, font, False)
-    return float(width) / POINTS
+    return float(width) / FINE
 
 
 class Labels:

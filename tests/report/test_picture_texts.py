@@ -18,7 +18,7 @@ from scenes import CASES, LAYOUT, points, question, shared, slots
 
 from qrobot._numbers import number
 from qrobot.plan import Plan
-from qrobot.problem import Instance, Node, OpenFloor, Order
+from qrobot.problem import Instance, Node, OpenFloor, Order, Slot
 from qrobot.report import plot
 from qrobot.report.fonts import OWN, choose, told
 from qrobot.report.picture import style
@@ -94,6 +94,7 @@ def test_no_text_covers_another_or_leaves_the_sheet(house: str, trips: int) -> N
             assert apart, (one, two)
         shown = [text for text, _ in texts]
         assert scene.title in shown
+        assert len({journey.name for journey in scene.journeys}) == trips
         for journey in scene.journeys:
             assert journey.tag in shown
             assert journey.name in shown
@@ -116,6 +117,18 @@ def test_each_of_many_trips_has_a_map_of_its_own(tmp_path: Path) -> None:
             for n in range(1, trips + 1):
                 assert text.count(f'id="trip-{n}-way"') == 1
                 assert text.count(f'id="alone-trip-{n}-way"') == (trips > 12)
+
+
+def test_both_trips_at_a_slot_show_their_numbers() -> None:
+    spots = [Slot(2, 3), Slot(4, 1), Slot(6, 8)]
+    instance = question(LAYOUT, [*spots, *spots], robots=2)
+    plan = Plan.from_routes(instance, [[1, 2, 3], [4, 5, 6]])
+    scene = scene_of(plan, instance)
+    with style():
+        texts = [text for text, _ in written(figure_of(scene))]
+    aisles = [str(k) for k in range(1, LAYOUT.aisles)]
+    for stop in ("1", "2", "3"):
+        assert texts.count(stop) == 2 + aisles.count(stop)
 
 
 @given(st.floats(-1e15, 1e15) | st.integers(-(10**15), 10**15) | st.floats(-300, 300))
