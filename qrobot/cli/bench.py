@@ -6,6 +6,7 @@ import sys
 
 import click
 
+from qrobot._numbers import number
 from qrobot.cli.options import FILE, Robots, rounding, written
 from qrobot.cli.streams import say
 
@@ -91,13 +92,13 @@ def command(
     most = "" if deadline is None else f", at most {len(todo) * deadline:.0f} s of searching"
     say(f"{len(todo)} runs{most}", err=True)
 
-    def tell(number: int, row: BenchRow) -> None:
+    def tell(done: int, row: BenchRow) -> None:
         gap = "" if row.gap is None else f", gap {row.gap:.2%}"
-        found = row.error if row.cost is None else f"{row.cost:g}{gap}"
+        found = row.error if row.cost is None else f"{number(row.cost)}{gap}"
         proven = ", proven" if row.proven else ""
         seconds = row.seconds or row.wall_seconds or 0.0
         say(
-            f"{number}/{len(todo)} {row.instance} {row.backend} seed {row.seed}: "
+            f"{done}/{len(todo)} {row.instance} {row.backend} seed {row.seed}: "
             f"{found}{proven}, {seconds:.2f} s",
             err=True,
         )

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import importlib
 import io
+import logging
 import sys
 import traceback
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import click
@@ -79,7 +83,8 @@ def main(arguments: list[str] | None = None) -> None:
     debug = "--debug" in words  # wherever it stands
     words = [word for word in words if word != "--debug"]
     try:
-        code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
+        with quiet_libraries(debug):
+            code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
     except click.exceptions.Exit as done:
         code = done.exit_code
     except SystemExit as done:  # a command that tells its own code
@@ -103,6 +108,26 @@ def main(arguments: list[str] | None = None) -> None:
         text = f"internal error: {type(error).__name__}: {error}; show more with --debug"
         code = _tell(text, error, 3, debug)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+@contextmanager
+def quiet_libraries(debug: bool) -> Iterator[None]:
+    """Keep warnings and log lines of libraries from users, who can do nothing about them.
+
+    ``--debug``, ``python -W`` and ``PYTHONWARNINGS`` show them. Filters would not do: libraries
+    add some of their own.
+    """
+    if debug or sys.warnoptions:
+        yield
+        return
+    handler = logging.lastResort
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda *_, **__: None
+        logging.lastResort = None
+        try:
+            yield
+        finally:
+            logging.lastResort = handler
 
 
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from qrobot._numbers import number
 from qrobot.cli.streams import say
 from qrobot.planning.run import Progress
 
@@ -39,8 +40,8 @@ class ProgressLine:
         clock = time.perf_counter() - self.begun
         if self.latest is None:
             return f"{clock:5.1f} s  starting"
-        cost = "no plan yet" if self.latest.cost is None else f"distance {self.latest.cost:g}"
-        bound = f", bound {self.latest.bound:g}" if self.latest.bound > 0 else ""
+        cost = "no plan yet" if self.latest.cost is None else f"distance {number(self.latest.cost)}"
+        bound = f", bound {number(self.latest.bound)}" if self.latest.bound > 0 else ""
         return f"{clock:5.1f} s  {self.latest.step}: {cost}{bound}"
 
     def show(self) -> None:

@@ -190,10 +190,12 @@ def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) ->
     """Write the plan and its pictures, all that can be; return the first error."""
     from qrobot.errors import QRobotError
 
+    notes: dict[str, None] = {}
+
     def draw(path: str) -> None:
         from qrobot.report import plot
 
-        plot(result, path)
+        notes.update(dict.fromkeys(plot(result, path)))
 
     troubles: list[Exception] = []
     for paths, write in ((output, result.save), (picture, draw)):
@@ -202,6 +204,8 @@ def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) ->
                 write(path)
             except QRobotError as error:
                 troubles.append(error)
+    for note in notes:  # with --quiet too: whoever reads the picture would miss it
+        say(f"note: {note}", err=True)
     return troubles[0] if troubles else None
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from qrobot._files import write_text_atomic
 from qrobot._json import json_text
 from qrobot._notebook import html_table, shown_name
+from qrobot._numbers import number
 from qrobot.plan import Plan
 from qrobot.plan.plan import TABLE_HEADS
 from qrobot.problem import Instance
@@ -221,7 +222,7 @@ class Result:
             return "no lower bound is known"
         # Rounded up: the statement must stay true.
         above = math.ceil(self.gap * 1e4) / 1e4
-        return f"at most {above:.2%} above the optimum (bound {self.bound:g})"
+        return f"at most {above:.2%} above the optimum (bound {number(self.bound)})"
 
     @property
     def cost(self) -> float:
@@ -241,27 +242,31 @@ class Result:
         lines = [
             f"{self.instance.name}: {self.instance.size} items in {len(self.instance.orders)} "
             f"orders, {self.plan.robots_used} of {robots} robots used",
-            f"distance {self.cost:g}, {self._quality()}",
+            f"distance {number(self.cost)}, {self._quality()}",
             f"{' + '.join(self.steps) or self.backend} in {self.timing.total:.2f} s, "
             f"{_ENDINGS[self.ended]}",
         ]
         if (s := self.sampler) is not None:
-            best = "no feasible read" if s.best is None else f"best {s.best:g}, mean {s.mean:g}"
+            best = (
+                "no feasible read"
+                if s.best is None or s.mean is None
+                else f"best {number(s.best)}, mean {number(s.mean)}"
+            )
             lines.append(
                 f"{s.backend} by itself ({s.encoding}, {s.variables} variables, {_reads(s)}): "
                 f"{_percent(s.feasible_fraction)} feasible, {best}{_optimal(s.optimal_fraction)}"
             )
             if s.random_feasible_fraction is not None:
-                best = "none" if s.random_best is None else f"best {s.random_best:g}"
+                best = "none" if s.random_best is None else f"best {number(s.random_best)}"
                 lines.append(
                     f"control, as many random {'plans' if s.of_plans else 'reads'}: "
                     f"{_percent(s.random_feasible_fraction)} feasible, "
                     f"{best}{_optimal(s.random_optimal_fraction)}"
                 )
-            if s.control_best is not None:
+            if s.control_best is not None and s.control_mean is not None:
                 lines.append(
                     f"control, as many random starts with the same repair and polish: "
-                    f"best {s.control_best:g}, mean {s.control_mean:g}"
+                    f"best {number(s.control_best)}, mean {number(s.control_mean)}"
                 )
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)

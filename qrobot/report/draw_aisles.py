@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -11,10 +12,12 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Rectangle
 
 from qrobot.problem import AisleWarehouse, Slot
-from qrobot.report.canvas import Canvas, Look
+from qrobot.report.canvas import Canvas
 from qrobot.report.lanes import XY, Lanes, Line
+from qrobot.report.maps import POINTS, Look, Map
 from qrobot.report.palette import Colour
-from qrobot.report.scene import Scene
+from qrobot.report.scene import Journey, Scene
+from qrobot.report.texts import text_width
 
 __all__ = ["draw_aisles"]
 
@@ -46,7 +49,7 @@ def draw_aisles(scene: Scene) -> Any:
     assert isinstance(house, AisleWarehouse)
     sizes = _Sizes.of(house)
     width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
-    x, y = house.depot
+    y = house.depot[1]
     low = (-house.aisle_pitch / 2, min(-sizes.cross, y))
     high = (width + house.aisle_pitch / 2, max(depth + sizes.cross, y))
     room = 0.055 * max(high[0] - low[0], high[1] - low[1])
@@ -56,26 +59,58 @@ def draw_aisles(scene: Scene) -> Any:
     canvas = Canvas(
         scene, (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room), patches
     )
-    _floor(canvas, house, sizes)
-    _closed(canvas, house, sizes)
-    widths = (1.9 * sizes.cross, 1.9 * sizes.aisle)
-    lanes = Lanes([journey.legs for journey in scene.journeys], margin=canvas.metres(6))
-    line = max(0.9, min(2.5, canvas.points(lanes.widest_gap(widths)) / 1.7))
-    look = Look(line=line, halo=0.5 * line, arrow=max(3.6, 3.2 * line), every=110)
-    lines = lanes.lines(step=canvas.metres(2.1 * line), widths=widths)
-    for journey, drawn in zip(scene.journeys, lines, strict=True):
-        canvas.way(journey, drawn, look, bend=canvas.metres(2.2 * line))
-        canvas.halts(journey, drawn.stops, size=max(1.2, 1.9 * line))
-    _picks(canvas, scene, house, sizes, lines)
+    _draw_all(canvas.main, scene, house, sizes)
+    for journey, own in canvas.panels:
+        _draw_alone(own, journey, house, sizes)
+    return canvas.finish()
+
+
+def _draw_all(drawn: Map, scene: Scene, house: AisleWarehouse, sizes: _Sizes) -> None:
+    _floor(drawn, house, sizes)
+    _slots(drawn, house, sizes)
+    _closed(drawn, house, sizes)
+    lines, look = _ways(drawn, scene.journeys, sizes, most=2.5, every=110)
+    for journey, line in zip(scene.journeys, lines, strict=True):
+        drawn.halts(journey, line.stops, size=max(1.2, 1.9 * look.line))
+    _picks(drawn, scene, house, sizes, lines)
+    for journey, line in zip(scene.journeys, lines, strict=True):
+        drawn.tag(journey, line)
+    depth = house.blocks * house.block_length
+    y = house.depot[1]
     below = y <= depth / 2
     # The label stands outside the floor, also when the depot stands inside.
     inside = y + sizes.cross if below else depth + sizes.cross - y
-    away = max(12.0, canvas.points(inside) + 3)
-    canvas.depot(
-        (x, y), label=(0, -away if below else away), align=("center", "top" if below else "bottom")
+    away = max(12.0, drawn.points(inside) + 3)
+    drawn.depot(
+        house.depot,
+        label=(0, -away if below else away),
+        align=("center", "top" if below else "bottom"),
     )
-    _names(canvas, house, sizes, above=below)
-    return canvas.figure
+    _names(drawn, house, sizes, above=below)
+
+
+def _draw_alone(drawn: Map, journey: Journey, house: AisleWarehouse, sizes: _Sizes) -> None:
+    """Draw one trip on a small map: racks without slots, stops as numbered marks."""
+    _floor(drawn, house, sizes)
+    _racks(drawn, house, sizes)
+    _closed(drawn, house, sizes)
+    ((line,), _) = _ways(drawn, [journey], sizes, most=1.5, every=60)
+    drawn.stops(journey, line.stops)
+    drawn.depot(house.depot, size=7)
+
+
+def _ways(
+    drawn: Map, journeys: Sequence[Journey], sizes: _Sizes, *, most: float, every: float
+) -> tuple[list[Line], Look]:
+    """Draw the ways, `most` points wide where their corridors have room for that."""
+    widths = (1.9 * sizes.cross, 1.9 * sizes.aisle)
+    lanes = Lanes([journey.legs for journey in journeys], margin=drawn.metres(6))
+    width = max(0.9, min(most, drawn.points(lanes.widest_gap(widths)) / 1.7))
+    look = Look(line=width, halo=0.5 * width, arrow=max(3.6, 3.2 * width), every=every)
+    lines = lanes.lines(step=drawn.metres(2.1 * width), widths=widths)
+    for journey, line in zip(journeys, lines, strict=True):
+        drawn.way(journey, line, look, bend=drawn.metres(2.2 * width))
+    return lines, look
 
 
 def _slot_box(
@@ -93,8 +128,8 @@ def _corners(left: float, bottom: float, width: float, height: float) -> list[XY
     return [(left, bottom), (right, bottom), (right, top), (left, top)]
 
 
-def _floor(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
-    axes = canvas.axes
+def _floor(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
+    axes = drawn.axes
     width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
     left, right = -house.aisle_pitch / 2, width + house.aisle_pitch / 2
     axes.add_artist(
@@ -105,10 +140,13 @@ def _floor(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
             fc="none",
             ec="#8a95a3",
             lw=1.2,
-            gid="floor",
+            gid=f"{drawn.prefix}floor",
             zorder=1.5,
         )
     )
+
+
+def _slots(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
     racks = [
         _corners(*_slot_box(house, sizes, Slot(aisle, slot, block, side)))
         for aisle in range(house.aisles)
@@ -116,15 +154,27 @@ def _floor(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
         for slot in range(house.slots)
         for side in ("left", "right")
     ]
-    thin = max(0.1, min(0.8, canvas.points(sizes.slot) / 14))
-    axes.add_artist(
+    thin = max(0.1, min(0.8, drawn.points(sizes.slot) / 14))
+    drawn.axes.add_artist(
         PolyCollection(
             racks, facecolors=RACK, edgecolors="white", linewidths=thin, zorder=1, gid="racks"
         )
     )
 
 
-def _closed(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
+def _racks(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
+    """Draw each side of an aisle's block as one rack."""
+    racks = []
+    for aisle in range(house.aisles):
+        for block in range(house.blocks):
+            for side in ("left", "right"):
+                left, low, width, height = _slot_box(house, sizes, Slot(aisle, 0, block, side))
+                high = _slot_box(house, sizes, Slot(aisle, house.slots - 1, block, side))[1]
+                racks.append(_corners(left, low, width, high + height - low))
+    drawn.axes.add_artist(PolyCollection(racks, facecolors=RACK, edgecolors="none", zorder=1))
+
+
+def _closed(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
     boxes = []
     for aisle, block in sorted(house.closed_aisles):
         x, y = aisle * house.aisle_pitch, block * house.block_length
@@ -142,7 +192,7 @@ def _closed(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
             (x + sizes.aisle, y - sizes.cross, house.aisle_pitch - 2 * sizes.aisle, 2 * sizes.cross)
         )
     for n, (left, bottom, width, height) in enumerate(boxes, 1):
-        canvas.axes.add_artist(
+        drawn.axes.add_artist(
             Rectangle(
                 (left, bottom),
                 width,
@@ -152,13 +202,13 @@ def _closed(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes) -> None:
                 lw=0.6,
                 hatch="////",
                 zorder=2,
-                gid=f"closed-{n}",
+                gid=f"{drawn.prefix}closed-{n}",
             )
         )
 
 
 def _picks(
-    canvas: Canvas, scene: Scene, house: AisleWarehouse, sizes: _Sizes, lines: list[Line]
+    drawn: Map, scene: Scene, house: AisleWarehouse, sizes: _Sizes, lines: list[Line]
 ) -> None:
     """Colour the slots that are picked from and number them by stop."""
     at: defaultdict[Slot, list[tuple[int, int]]] = defaultdict(list)  # (journey, stop)
@@ -175,7 +225,7 @@ def _picks(
         for k, (j, stops) in enumerate(parts):
             x = left + k * each
             boxes[j].append(_corners(x, bottom, each, height))
-            _number(canvas, (x + each / 2, bottom + height / 2), (each, height), stops, scene, j)
+            _number(drawn, (x + each / 2, bottom + height / 2), (each, height), stops, scene, j)
             arm = lines[j].stops[stops[0]]
             side = left + width if slot.side == "left" else left
             arms[j].append([arm, (side, arm[1])])
@@ -187,28 +237,28 @@ def _picks(
     for j, polygons in boxes.items():
         colour = NOT_PICKED if j < 0 else scene.journeys[j].colour
         name = "not-picked" if j < 0 else f"trip-{scene.journeys[j].number}-picks"
-        canvas.axes.add_artist(
+        drawn.axes.add_artist(
             PolyCollection(
                 polygons,
                 facecolors=colour.fill,
                 edgecolors=colour.edge,
-                linewidths=min(0.8, canvas.points(sizes.slot) / 12),
+                linewidths=min(0.8, drawn.points(sizes.slot) / 12),
                 zorder=3,
                 gid=name,
             )
         )
     for j, segments in arms.items():
-        canvas.axes.add_artist(
+        drawn.axes.add_artist(
             LineCollection(
                 segments,
                 colors=scene.journeys[j].colour.edge,
-                linewidths=min(0.9, canvas.points(sizes.slot) / 12),
+                linewidths=min(0.9, drawn.points(sizes.slot) / 12),
                 zorder=3.5,
             )
         )
 
 
-def _number(canvas: Canvas, at: XY, box: XY, stops: list[int], scene: Scene, journey: int) -> None:
+def _number(drawn: Map, at: XY, box: XY, stops: list[int], scene: Scene, journey: int) -> None:
     first, last = stops[0] + 1, stops[-1] + 1
     texts = [f"{first}+"]
     if first == last:
@@ -218,29 +268,20 @@ def _number(canvas: Canvas, at: XY, box: XY, stops: list[int], scene: Scene, jou
     elif len(stops) == 2:
         texts = [f"{first},{last}", *texts]
     for text in texts:
-        wide = canvas.points(box[0]) * 0.92 / (0.64 * len(text))
-        size = min(8.5, canvas.points(box[1]) * 0.78, wide)
+        wide = drawn.points(box[0]) * 0.84 / (POINTS * text_width(text, 1.0, "bold"))
+        size = min(8.5, drawn.points(box[1]) * 0.78, wide)
         if size >= 3.4:
-            canvas.axes.text(
-                *at,
-                text,
-                size=size,
-                color=scene.journeys[journey].colour.text,
-                weight="bold",
-                ha="center",
-                va="center_baseline",
-                zorder=7,
-            )
+            drawn.number(scene.journeys[journey], at, text, size)
             return
 
 
-def _names(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes, *, above: bool) -> None:
+def _names(drawn: Map, house: AisleWarehouse, sizes: _Sizes, *, above: bool) -> None:
     """Write the numbers of the aisles on the side away from the depot."""
     y = house.blocks * house.block_length + sizes.cross if above else -sizes.cross
     offset = 5 if above else -5
-    every = 1 + int(house.aisles * 17 / max(canvas.points((house.aisles) * house.aisle_pitch), 1))
+    every = 1 + int(house.aisles * 17 / max(drawn.points((house.aisles) * house.aisle_pitch), 1))
     for aisle in range(0, house.aisles, every):
-        canvas.axes.annotate(
+        text = drawn.axes.annotate(
             f"aisle {aisle}" if aisle == 0 else f"{aisle}",
             (aisle * house.aisle_pitch, y),
             xytext=(0, offset),
@@ -250,3 +291,4 @@ def _names(canvas: Canvas, house: AisleWarehouse, sizes: _Sizes, *, above: bool)
             size=7.5,
             color="#5b6673",
         )
+        drawn.labels.add(text)

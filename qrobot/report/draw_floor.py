@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
-from qrobot.problem import DistanceTable, OpenFloor
-from qrobot.report.canvas import Canvas, Look
+from qrobot._numbers import number
+from qrobot.problem import DistanceTable, OpenFloor, Warehouse
+from qrobot.report.canvas import Canvas
 from qrobot.report.labels import placed, spread
 from qrobot.report.lanes import XY, Lanes, Line
 from qrobot.report.legend import GREY
-from qrobot.report.scene import Scene, number
+from qrobot.report.maps import POINTS, Look, Map
+from qrobot.report.scene import Journey, Scene
+from qrobot.report.text import shown
+from qrobot.report.texts import text_width
 
 __all__ = ["draw_floor"]
 
@@ -38,45 +43,76 @@ def draw_floor(scene: Scene) -> Any:
         [("small text: item (weight)", "", "")] if named and spots else [],
         frame=0.0 if isinstance(house, DistanceTable) else 0.22,
     )
-    _frame(canvas, house)
-    size = _marker(canvas, len(set(spots)))
-    line = max(0.9, min(2.3, size / 6))
-    look = Look(line=line, halo=0.5 * line, arrow=max(4.0, 3.4 * line), every=1e9)
-    lines = _lines(canvas, scene, house, look, size)
-    for journey, drawn in zip(scene.journeys, lines, strict=True):
-        canvas.way(journey, drawn, look, bend=canvas.metres(2.5 * line))
-    marks = spread(spots, canvas.metres(0.9 * size))
-    _points(canvas, scene, dict(zip(_ids(scene), marks, strict=True)), size)
+    _draw_all(canvas.main, scene, spots, named)
+    for journey, own in canvas.panels:
+        _draw_alone(own, scene, journey, spots)
+    return canvas.finish()
+
+
+def _draw_all(drawn: Map, scene: Scene, spots: Sequence[XY], named: bool) -> None:
+    house = scene.instance.warehouse
+    _frame(drawn, house)
+    size = _marker(drawn, len(set(spots)))
+    lines = _ways(drawn, scene, scene.journeys, size, arrow=4.0, most=2.3)
+    marks = spread(spots, drawn.metres(0.9 * size))
+    _points(drawn, scene, dict(zip(_ids(scene), marks, strict=True)), size)
+    for journey, line in zip(scene.journeys, lines, strict=True):
+        drawn.tag(journey, line)
     # The depot's name comes last in the queue for a free side, but is always drawn.
-    texts = [f"{i.id} ({number(i.weight)})" for i in scene.instance.items] if named else []
+    texts = [f"{shown(i.id)} ({number(i.weight)})" for i in scene.instance.items]
+    texts = texts if named else []
     sides = placed(
-        [_on_sheet(canvas, at) for at in (*(marks if named else ()), house.depot)],
-        [*((4.7 * len(text), 8.0) for text in texts), (36.0, 11.0)],
+        [_on_sheet(drawn, at) for at in (*(marks if named else ()), house.depot)],
+        [*((POINTS * text_width(text, 7.5), 8.0) for text in texts), (36.0, 11.0)],
         size / 2,
-        [(_on_sheet(canvas, house.depot), 8.0), *((_on_sheet(canvas, m), size / 2) for m in marks)],
-        [[_on_sheet(canvas, corner) for corner in drawn.corners] for drawn in lines],
+        [(_on_sheet(drawn, house.depot), 8.0), *((_on_sheet(drawn, m), size / 2) for m in marks)],
+        [[_on_sheet(drawn, corner) for corner in line.corners] for line in lines],
     )
     for text, at, (offset, ha, va) in zip(texts, marks, sides, strict=False):
-        canvas.axes.annotate(
+        label = drawn.axes.annotate(
             text, at, xytext=offset, textcoords="offset points", ha=ha, va=va,
             size=7.5, color=GREY, zorder=5.5,
         )  # fmt: skip
+        drawn.labels.add(label)
     (dx, dy), ha, va = sides[-1]
-    canvas.depot(house.depot, label=(dx + math.copysign(4, dx) * bool(dx), dy), align=(ha, va))
-    return canvas.figure
+    drawn.depot(house.depot, label=(dx + math.copysign(4, dx) * bool(dx), dy), align=(ha, va))
+
+
+def _draw_alone(drawn: Map, scene: Scene, journey: Journey, spots: Sequence[XY]) -> None:
+    """Draw one trip on a small map, all other items as dots."""
+    drawn.axes.set_axis_on()
+    drawn.axes.set(xticks=[], yticks=[])
+    for side in drawn.axes.spines.values():
+        side.set_color("#c3ccd6")
+    xs, ys = zip(*spots, strict=True)
+    drawn.axes.plot(xs, ys, ls="none", marker="o", ms=1.6, mfc="#c3ccd6", mec="none", zorder=2)
+    (line,) = _ways(drawn, scene, [journey], 9.0, arrow=4.0, most=1.3)
+    drawn.stops(journey, line.stops)
+    drawn.depot(scene.instance.warehouse.depot, size=7)
+
+
+def _ways(
+    drawn: Map, scene: Scene, journeys: Sequence[Journey], size: float, *, arrow: float, most: float
+) -> list[Line]:
+    width = max(0.9, min(most, size / 6))
+    look = Look(line=width, halo=0.5 * width, arrow=max(arrow, 3.4 * width), every=1e9)
+    lines = _lines(drawn, scene.instance.warehouse, journeys, look, size)
+    for journey, line in zip(journeys, lines, strict=True):
+        drawn.way(journey, line, look, bend=drawn.metres(2.5 * width))
+    return lines
 
 
 def _ids(scene: Scene) -> list[str]:
     return [item.id for item in scene.instance.items]
 
 
-def _on_sheet(canvas: Canvas, at: XY) -> XY:
-    return canvas.points(at[0]), canvas.points(at[1])
+def _on_sheet(drawn: Map, at: XY) -> XY:
+    return drawn.points(at[0]), drawn.points(at[1])
 
 
-def _frame(canvas: Canvas, house: OpenFloor | DistanceTable) -> None:
+def _frame(drawn: Map, house: Warehouse) -> None:
     """Draw a light grid in metres where coordinates mean something."""
-    axes = canvas.axes
+    axes = drawn.axes
     if isinstance(house, DistanceTable):
         return
     axes.set_axis_on()
@@ -87,23 +123,23 @@ def _frame(canvas: Canvas, house: OpenFloor | DistanceTable) -> None:
         side.set_color("#c3ccd6")
 
 
-def _marker(canvas: Canvas, count: int) -> float:
+def _marker(drawn: Map, count: int) -> float:
     """Return the size of the items' marks, points: they should hardly overlap."""
-    (left, right), (low, high) = canvas.axes.get_xlim(), canvas.axes.get_ylim()
-    area = canvas.points(right - left) * canvas.points(high - low)
+    (left, right), (low, high) = drawn.axes.get_xlim(), drawn.axes.get_ylim()
+    area = drawn.points(right - left) * drawn.points(high - low)
     return max(2.4, min(17.0, 0.3 * math.sqrt(area / max(count, 1))))
 
 
 def _lines(
-    canvas: Canvas, scene: Scene, house: OpenFloor | DistanceTable, look: Look, size: float
+    drawn: Map, house: Warehouse, journeys: Sequence[Journey], look: Look, size: float
 ) -> list[Line]:
-    legs = [journey.legs for journey in scene.journeys]
+    legs = [journey.legs for journey in journeys]
     if isinstance(house, OpenFloor) and house.metric == "manhattan":
-        room = canvas.metres(30)
-        lanes = Lanes(legs, margin=canvas.metres(4))
-        return lanes.lines(step=canvas.metres(1.9 * look.line), widths=(room, room))
+        room = drawn.metres(30)
+        lanes = Lanes(legs, margin=drawn.metres(4))
+        return lanes.lines(step=drawn.metres(1.9 * look.line), widths=(room, room))
     ends = Counter(frozenset((leg[0], leg[-1])) for trip in legs for leg in trip)
-    least = canvas.metres(2.2 * look.arrow + size)
+    least = drawn.metres(2.2 * look.arrow + size)
     found = []
     for trip in legs:
         curves = [
@@ -138,9 +174,9 @@ def _head(curve: list[XY]) -> tuple[XY, XY]:
     return at, ((bx - ax) / length, (by - ay) / length)
 
 
-def _points(canvas: Canvas, scene: Scene, marks: dict[str, XY], size: float) -> None:
+def _points(drawn: Map, scene: Scene, marks: dict[str, XY], size: float) -> None:
     """Draw the items, coloured by robot and numbered by stop."""
-    axes = canvas.axes
+    axes = drawn.axes
     shape: dict[str, Any] = {"ls": "none", "marker": "o", "ms": size, "mew": min(1.1, size / 9)}
     for journey in scene.journeys:
         spots = [marks.pop(item.id) for item in journey.items if item.id in marks]
@@ -151,10 +187,7 @@ def _points(canvas: Canvas, scene: Scene, marks: dict[str, XY], size: float) -> 
         for n, (x, y) in enumerate(spots, 1):
             font = min(8.5, (0.62 if n < 100 else 0.45) * size)
             if font >= 3.2:
-                axes.text(
-                    x, y, str(n), size=font, color=journey.colour.text, weight="bold",
-                    ha="center", va="center_baseline", zorder=7,
-                )  # fmt: skip
+                drawn.number(journey, (x, y), str(n), font)
     if marks:
         axes.plot(
             [x for x, _ in marks.values()], [y for _, y in marks.values()],

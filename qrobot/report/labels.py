@@ -51,7 +51,7 @@ def placed(
             cost = 0.05 * rank
             cost += sum(1.0 for dot in dots if _inside(dot, box, 0.5)) * 0.4
             cost += sum(6.0 for at, r in marks if _inside(at, box, r))
-            cost += sum(9.0 for other in taken if _overlap(box, other))
+            cost += sum(99.0 for other in taken if _overlap(box, other))
             options.append((cost, rank, box, (sx, sy), away))
         _, _, box, (sx, sy), away = min(options)
         taken.append(box)

@@ -1,4 +1,4 @@
-"""The legend beside a map: every trip with its colour, distance and load."""
+"""What is said of a trip beside its way: number, robot, distance, stops and load."""
 
 from __future__ import annotations
 
@@ -9,20 +9,30 @@ from typing import Any
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from qrobot._numbers import number
 from qrobot.report.palette import DEPOT, INK
-from qrobot.report.scene import Journey, Scene, number
-from qrobot.report.text import shortened
+from qrobot.report.scene import Journey, Scene
+from qrobot.report.texts import text_width
 
-__all__ = ["DASHES", "GREY", "Legend", "Patch", "depot_marker"]
+__all__ = ["DASHES", "GREY", "Legend", "Patch", "caption", "caption_width", "depot_marker"]
 
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.6)), (0, (2.2, 1.2)), (0, (6, 1.4, 1.4, 1.4)))
 """Of a robot's first, second, ... trip."""
 
 GREY = "#5b6673"
-MOST_TRIPS = 60
+ROW = 0.44
+"""Height of a row, inches."""
+NAME, FACTS = 9.5, 8.0
+"""Sizes of the two lines of a row, points."""
+MARK = 0.5
+"""Room for the number and the sample of a way, inches."""
+GAP = 0.2
 
 Patch = tuple[str, str, str]
 """A row below the trips: label, face colour (nothing for a plain line of text), hatch."""
+
+DEPOT_ROW: Patch = ("depot: start and end of every trip", "depot", "")
+NUMBER_ROW: Patch = ("#1, #2, ...: number of the trip, as in the table", "", "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,103 +43,116 @@ class Legend:
     ----------
     scene
         What is drawn.
+    journeys
+        The trips that get a row.
     patches
         Rows below the trips.
-    height
+    room
         Inches beside the map; a longer legend gets more columns.
     """
 
     scene: Scene
+    journeys: Sequence[Journey]
     patches: Sequence[Patch]
-    height: float
+    room: float
 
     @property
-    def short(self) -> bool:
-        """Whether there are so many trips that each gets one line."""
-        return len(self.scene.journeys) > 12
-
-    @property
-    def row(self) -> float:
-        """Height of a row, inches."""
-        return 0.235 if self.short else 0.44
-
-    @property
-    def rows(self) -> int:
-        """Number of rows, the depot's and the patches' among them."""
-        trips = len(self.scene.journeys)
-        return min(trips, MOST_TRIPS) + (trips > MOST_TRIPS) + 1 + len(self.patches)
-
-    @property
-    def columns(self) -> int:
-        """Number of columns."""
-        return -(-self.rows // max(int(self.height / self.row), 1))
+    def rows(self) -> tuple[Journey | Patch, ...]:
+        """All rows from the top."""
+        return (*self.journeys, DEPOT_ROW, NUMBER_ROW, *self.patches)
 
     @property
     def per_column(self) -> int:
         """Rows in a column."""
-        return -(-self.rows // self.columns)
+        columns = -(-len(self.rows) // max(int(self.room / ROW), 1))
+        return -(-len(self.rows) // columns)
+
+    @property
+    def columns(self) -> int:
+        """Number of columns."""
+        return -(-len(self.rows) // self.per_column)
 
     @property
     def pitch(self) -> float:
         """Width of a column, inches."""
-        return 3.05 if not self.short or self.columns == 1 else 2.75
-
-    def draw(self, panel: Any) -> None:
-        """Draw into axes whose unit is an inch, with y downwards from the top."""
-        spots = [
-            (
-                self.pitch * (i // self.per_column) + 0.25,
-                self.row * (i % self.per_column + 0.5),
-            )
-            for i in range(self.per_column * self.columns)
+        widths = [
+            caption_width(self.scene, row) if isinstance(row, Journey) else _patch_width(row)
+            for row in self.rows
         ]
-        shown = self.scene.journeys[:MOST_TRIPS]
-        for spot, journey in zip(spots, shown, strict=False):
-            self._trip(panel, spot, journey)
-        spots = spots[len(shown) :]
-        size = 8.0 if self.short else 8.5
-        if hidden := len(self.scene.journeys) - len(shown):
-            x, y = spots.pop(0)
-            panel.text(x + 0.45, y, f"and {hidden} more trips", size=size, va="center")
-        x, y = spots.pop(0)
-        panel.plot([x + 0.17], [y], **depot_marker(9 if self.short else 11))
-        panel.text(x + 0.45, y, "depot: start and end of every trip", size=size, va="center")
-        for (x, y), (label, face, hatch) in zip(spots, self.patches, strict=False):
-            if face:
-                box = Rectangle((x + 0.04, y - 0.08), 0.26, 0.16, fc=face, ec="#9aa5b1", lw=0.6)
-                box.set_hatch(hatch)
-                panel.add_patch(box)
-            panel.text(x + 0.45, y, label, size=size, va="center", color=INK if face else GREY)
+        return max(widths) + GAP
 
-    def _trip(self, panel: Any, spot: tuple[float, float], journey: Journey) -> None:
-        (x, y), trip, colour = spot, journey.trip, journey.colour
-        thick = 3.0 if self.short else 4.0
-        for shade, width, dashes in (
-            (colour.edge, thick + 1.2, DASHES[0]),
-            (colour.fill, thick, DASHES[journey.turn % len(DASHES)]),
-        ):
-            panel.add_line(
-                Line2D(
-                    [x, x + 0.34], [y, y],
-                    color=shade, lw=width, ls=dashes, solid_capstyle="round",
-                )
-            )  # fmt: skip
-        stops = f"{len(trip.stops)} stop" + ("s" if len(trip.stops) != 1 else "")
-        load = f"{number(trip.load)} of {number(journey.capacity)}"
-        length = self.scene.length(trip.distance)
-        if self.short:
-            name = shortened(journey.name, 18)
-            panel.text(x + 0.45, y, name, size=8.5, weight="bold", va="center")
-            facts = f"{length}, {stops}, load {load}"
-            at, size = (x + 0.55 + 0.075 * max(len(name), 3), y), 7.5
-        else:
-            name = journey.name
-            panel.text(x + 0.45, y - 0.085, name, size=10, weight="bold", va="center")
-            facts = f"{length}, {stops}, load {load}"
-            at, size = (x + 0.45, y + 0.1), 8.5
-        panel.text(*at, facts, size=size, color=GREY, va="center")
+    @property
+    def width(self) -> float:
+        """Width of all columns, inches."""
+        return self.columns * self.pitch
+
+    @property
+    def height(self) -> float:
+        """Height, inches."""
+        return self.per_column * ROW
+
+    def draw(self, panel: Any, corner: tuple[float, float]) -> None:
+        """Draw into axes whose unit is an inch, with y downwards, from the top left corner."""
+        pitch, (left, top) = self.pitch, corner
+        for k, row in enumerate(self.rows):
+            spot = left + pitch * (k // self.per_column), top + ROW * (k % self.per_column + 0.5)
+            if isinstance(row, Journey):
+                caption(panel, spot, self.scene, row)
+            else:
+                _patch(panel, spot, row)
+
+
+def _lines(scene: Scene, journey: Journey) -> tuple[str, str]:
+    trip = journey.trip
+    stops = f"{number(len(trip.stops))} stop" + ("s" if len(trip.stops) != 1 else "")
+    load = f"{number(trip.load)} of {number(journey.capacity)}"
+    return journey.name, f"{scene.length(trip.distance)}, {stops}, load {load}"
+
+
+def caption_width(scene: Scene, journey: Journey) -> float:
+    """Return the width of `caption`, inches."""
+    name, facts = _lines(scene, journey)
+    return MARK + max(text_width(name, NAME, "bold"), text_width(facts, FACTS)) + 0.05
+
+
+def caption(panel: Any, spot: tuple[float, float], scene: Scene, journey: Journey) -> None:
+    """Write a trip's number, robot and figures, into axes whose unit is an inch."""
+    (x, y), colour = spot, journey.colour
+    name, facts = _lines(scene, journey)
+    box = Rectangle((x, y - 0.16), MARK - 0.1, 0.2, fc=colour.fill, ec=colour.edge, lw=0.8)
+    panel.add_patch(box)
+    panel.text(
+        x + MARK / 2 - 0.05, y - 0.06, journey.tag, size=7.5, weight="bold", color=colour.text,
+        ha="center", va="center",
+    )  # fmt: skip
+    for shade, width, dashes in (
+        (colour.edge, 3.2, DASHES[0]),
+        (colour.fill, 2.2, DASHES[journey.turn % len(DASHES)]),
+    ):
+        sample = Line2D(
+            [x, x + MARK - 0.1], [y + 0.12, y + 0.12],
+            color=shade, lw=width, ls=dashes, solid_capstyle="butt",
+        )  # fmt: skip
+        panel.add_line(sample)
+    panel.text(x + MARK, y - 0.085, name, size=NAME, weight="bold", va="center")
+    panel.text(x + MARK, y + 0.1, facts, size=FACTS, color=GREY, va="center")
+
+
+def _patch_width(row: Patch) -> float:
+    return MARK + text_width(row[0], FACTS) + 0.05
+
+
+def _patch(panel: Any, spot: tuple[float, float], row: Patch) -> None:
+    (x, y), (label, face, hatch) = spot, row
+    if face == "depot":
+        panel.plot([x + 0.2], [y], **depot_marker(10))
+    elif face:
+        box = Rectangle((x + 0.07, y - 0.08), 0.26, 0.16, fc=face, ec="#9aa5b1", lw=0.6)
+        box.set_hatch(hatch)
+        panel.add_patch(box)
+    panel.text(x + MARK, y, label, size=FACTS, va="center", color=INK if face else GREY)
 
 
 def depot_marker(size: float) -> dict[str, Any]:
     """Return how the depot is drawn."""
-    return {"ls": "none", "marker": "s", "ms": size, "mfc": DEPOT, "mec": INK, "mew": 1.4}
+    return {"ls": "none", "marker": "s", "ms": size, "mfc": DEPOT, "mec": INK, "mew": size / 11}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib.util
 import io
+import logging
 import os
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +16,7 @@ from qrobot._files import StrPath, path_text, write_bytes_atomic
 from qrobot.errors import InputError, MissingExtraError
 from qrobot.plan import Plan
 from qrobot.problem import AisleWarehouse, Instance
+from qrobot.report.fonts import families, told
 from qrobot.report.palette import INK
 from qrobot.report.scene import scene_of
 
@@ -27,8 +30,11 @@ DOTS_PER_INCH = 160
 
 def plot(
     answer: Result | Plan | StrPath, path: StrPath, instance: Instance | StrPath | None = None
-) -> None:
+) -> tuple[str, ...]:
     """Draw a plan and write it as SVG or PNG, as the file's suffix says.
+
+    More than 12 trips are drawn on a small map each, too. Names are drawn in fonts of this machine
+    that have their characters.
 
     Parameters
     ----------
@@ -39,6 +45,11 @@ def plot(
     instance
         The question; needed for a plan alone.
 
+    Returns
+    -------
+    tuple of str
+        What a person should know of the picture, a sentence each: characters that no font here has.
+
     Raises
     ------
     MissingExtraError
@@ -47,14 +58,17 @@ def plot(
         When the suffix is another one, the file cannot be written, or plan and instance do
         not belong together.
     """
-    check_picture_path(path)
-    with style():
+    kind = check_picture_path(path)
+    scene = scene_of(answer, instance)
+    texts = scene.texts()
+    with style(texts) as missing:
         from qrobot.report.draw_aisles import draw_aisles
         from qrobot.report.draw_floor import draw_floor
 
-        scene = scene_of(answer, instance)
         aisles = isinstance(scene.instance.warehouse, AisleWarehouse)
         save(draw_aisles(scene) if aisles else draw_floor(scene), path)
+        # In an SVG text stays text, and who looks at it has fonts of their own.
+        return tuple(told(missing, texts)) if kind == "png" else ()
 
 
 def check_picture_path(path: str | os.PathLike[str]) -> str:
@@ -72,37 +86,60 @@ def check_picture_path(path: str | os.PathLike[str]) -> str:
     kind = Path(path_text(path)).suffix.lower().lstrip(".")
     if kind not in {"svg", "png"}:
         raise InputError(
-            f"{os.fspath(path)!r} names no kind of picture", mend="end it with .svg or .png"
+            f"{os.fspath(path)!r} does not say which kind of picture",
+            mend="end it with .svg or .png",
         )
     return kind
 
 
 @contextmanager
-def style() -> Iterator[None]:
+def style(texts: Iterable[str] = ()) -> Iterator[str]:
     """Draw with settings of our own, whatever the user's matplotlib is set to.
+
+    Matplotlib's warnings and log reach nobody: what a person should know is told by us.
+
+    Parameters
+    ----------
+    texts
+        Names and titles: fonts that have their characters are chosen.
+
+    Yields
+    ------
+    str
+        The characters that no font here has.
 
     Raises
     ------
     MissingExtraError
         When matplotlib is not installed.
     """
+    log = logging.getLogger("matplotlib")
+    level = log.level
+    log.setLevel(logging.CRITICAL)  # also of the import: a home that cannot be written
     try:
-        import matplotlib
-    except ImportError:
-        raise MissingExtraError("drawing pictures", "plot") from None
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams.update(
-            {
-                "axes.labelcolor": INK,
-                "font.family": ["DejaVu Sans"],
-                "path.simplify": False,
-                "svg.fonttype": "none",  # text stays text: small files, can be searched
-                "svg.hashsalt": "qrobot",  # else every file has random ids
-                "text.color": INK,
-            }
-        )
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            try:
+                import matplotlib
+            except ImportError:
+                raise MissingExtraError("drawing pictures", "plot") from None
+            with matplotlib.rc_context():
+                matplotlib.rcdefaults()
+                fonts, missing = families(texts)
+                matplotlib.rcParams.update(
+                    {
+                        "axes.labelcolor": INK,
+                        "font.family": fonts,
+                        "path.simplify": False,
+                        "svg.fonttype": "none",  # text stays text: small files, can be searched
+                        "svg.hashsalt": "qrobot",  # else every file has random ids
+                        "text.color": INK,
+                        "text.parse_math": False,  # a name with two dollar signs is a name
+                    }
+                )
+                yield missing
+    finally:
+        log.setLevel(level)
 
 
 def save(figure: Any, path: str | os.PathLike[str]) -> None:

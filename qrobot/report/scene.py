@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from qrobot._files import StrPath
+from qrobot._numbers import number
 from qrobot.errors import InputError
 from qrobot.plan import Plan, Trip, plan_of
 from qrobot.problem import AisleWarehouse, Instance, Item, OpenFloor
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
-from qrobot.report.text import shortened
+from qrobot.report.text import shown
 
 if TYPE_CHECKING:
     from qrobot.planning import Result
@@ -36,7 +38,7 @@ class Journey:
     name
         Of the robot, with the turn when it makes several trips.
     colour
-        Of the robot.
+        Of the robot where each makes one trip, otherwise of the trip: no two trips have the same.
     turn
         Which trip of its robot, from 0.
     capacity
@@ -55,6 +57,11 @@ class Journey:
     capacity: Fraction
     items: tuple[Item, ...]
     legs: tuple[tuple[XY, ...], ...]
+
+    @property
+    def tag(self) -> str:
+        """The number of the trip as it stands on a picture."""
+        return f"#{self.number}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +90,15 @@ class Scene:
         """Return a distance with its unit."""
         return f"{number(value)}{self.unit}"
 
+    def texts(self) -> list[str]:
+        """Return all texts of the picture that are not ours."""
+        return [self.title, *(j.name for j in self.journeys), *map(shown, self.items)]
+
+    @property
+    def items(self) -> list[str]:
+        """Names of all items."""
+        return [item.id for item in self.instance.items]
+
 
 def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | None = None) -> Scene:
     """Look a plan up in its instance.
@@ -101,7 +117,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
     instance = instance_of(instance)
     items = {item.id: item for item in instance.items}
     fleet = {robot.id: i for i, robot in enumerate(instance.robots)}
-    several = {t.robot for t in plan.trips if sum(t.robot == o.robot for o in plan.trips) > 1}
+    several = {robot for robot, n in Counter(t.robot for t in plan.trips).items() if n > 1}
     turns: dict[str, int] = {}
     journeys = []
     for n, trip in enumerate(plan.trips, 1):
@@ -117,9 +133,9 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
             Journey(
                 trip=trip,
                 number=n,
-                name=shortened(trip.robot, 20)
+                name=shown(trip.robot, 20)
                 + (f", trip {turn + 1}" if trip.robot in several else ""),
-                colour=colour_of(fleet[trip.robot]),
+                colour=colour_of(n - 1 if several else fleet[trip.robot]),
                 turn=turn,
                 capacity=instance.robots[fleet[trip.robot]].capacity,
                 items=picked,
@@ -130,21 +146,13 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
     return Scene(
         instance=instance,
         journeys=tuple(journeys),
-        title=f"{shortened(instance.name, 60)}: {number(plan.distance)}{unit}{quality}",
+        title=f"{shown(instance.name, 60)}: {number(plan.distance)}{unit}{quality}",
         subtitle=_subtitle(plan, instance),
         unit=unit,
     )
 
 
 _MEND = "give the instance that the plan was made for"
-
-
-def number(value: float | Fraction) -> str:
-    """Return a number with as many digits as people want to read."""
-    value = float(value)
-    if value == round(value) or abs(value) >= 10_000:
-        return f"{value:.0f}"
-    return f"{value:.2f}".rstrip("0") if abs(value) >= 0.1 else f"{value:.3g}"
 
 
 def _quality(result: Result) -> str:

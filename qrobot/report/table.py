@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
+from qrobot._numbers import number
 from qrobot.report.text import columns
 
 if TYPE_CHECKING:
@@ -19,16 +20,16 @@ def table(result: Result) -> str:
     """Return the trips of a result as aligned text, long stop lists on several lines."""
     capacity = {robot.id: float(robot.capacity) for robot in result.instance.robots}
     rows: list[list[str]] = []
-    for number, trip in enumerate(result.plan.trips, 1):
+    for place, trip in enumerate(result.plan.trips, 1):
         wrapped = textwrap.wrap(
             " ".join(trip.stops), STOPS_WIDTH, break_long_words=False, break_on_hyphens=False
         )
         rows.append(
             [
-                str(number),
+                str(place),
                 trip.robot,
-                f"{trip.load:g} / {capacity[trip.robot]:g}",
-                f"{trip.distance:g}",
+                f"{number(trip.load)} / {number(capacity[trip.robot])}",
+                number(trip.distance),
                 f"{trip.seconds:.0f} s",
                 str(len(trip.orders)),
                 wrapped[0] if wrapped else "",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["columns", "shortened"]
+__all__ = ["columns", "shortened", "shown"]
 
 
 def columns(
@@ -39,3 +39,14 @@ def columns(
 def shortened(text: str, most: int) -> str:
     """Return a text of at most so many letters."""
     return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def shown(text: str, most: int = 24) -> str:
+    """Return a name as one line of at most so many letters.
+
+    A longer one loses its middle: the ends of names that begin alike tell them apart.
+    """
+    line = " ".join(text.split())
+    line = "".join(c if c.isprintable() else "\ufffd" for c in line)
+    last = most // 2
+    return line if len(line) <= most else f"{line[: most - last - 1]}…{line[-last:]}"

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from qrobot._files import write_text_atomic
+from qrobot._numbers import number
 from qrobot.report.picture import save, style
 
 __all__ = ["bench_csv", "bench_markdown", "bench_plot", "summaries"]
@@ -156,6 +157,4 @@ def _percent(value: float | None) -> str:
 
 
 def _number(value: float | None, digits: int = 2) -> str:
-    if value is None or not math.isfinite(value):
-        return "-"
-    return f"{value:.0f}" if value == round(value) else f"{value:.{digits}f}"
+    return "-" if value is None or not math.isfinite(value) else number(round(value, digits))

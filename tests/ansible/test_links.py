@@ -88,9 +88,23 @@ def leaves(value: Any, at: str = "") -> Iterator[tuple[str, str]]:
         yield at, str(value)
 
 
+def unwrapped(task: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
+    """The task that a job is, with an argv that stands in its variables in its place."""
+    variables = dict(task.get("vars", {}))
+    options = dict(given["options"])
+    name = str(options.get("argv")).strip("{} ")
+    if isinstance(variables.get(name), list):
+        options["argv"] = variables.pop(name)
+    kept = {key: value for key, value in task.items() if key in RESERVED}
+    module = str(given["module"]).removeprefix("ansible.legacy.")
+    return {**kept, "vars": variables, module: options}
+
+
 def fault_of(task: dict[str, Any]) -> str:
     """Say how root may follow a link of a user in this task; "" when it cannot."""
     module, given = module_of(task)
+    if module == "qrobot_job":  # runs another module
+        return fault_of(unwrapped(task, given))
     if module in SAFE or module in TOLD:
         return ""
     argv = given.get("argv", []) if isinstance(given, dict) else []
@@ -143,6 +157,13 @@ def test_no_task_of_root_touches_a_path_below_a_users_folder() -> None:
         {"ansible.builtin.file": {"path": "{{ qrobot_home }}", "recurse": True}},
         {"ansible.builtin.command": {"argv": ["rm", "-rf", "{{ qrobot_reports }}"]}},
         {"ansible.builtin.copy": {"dest": "/var/lib/qrobot-desktop/.config"}},
+        {
+            "qrobot_job": {
+                "module": "ansible.legacy.command",
+                "options": {"argv": "{{ x }}"},
+            },
+            "vars": {"x": ["rm", "-rf", "{{ qrobot_home }}/y"]},
+        },
         {"ansible.builtin.slurp": {"src": "{{ [qrobot_home, '.x'] | join('/') }}"}},
     ],
 )

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from scenes import CASES, shared
 
+from qrobot._numbers import number
 from qrobot.errors import InputError, MissingExtraError
 from qrobot.problem import Robot
 from qrobot.report import plot
-from qrobot.report.scene import number
 
 pytest.importorskip("matplotlib")
 
