@@ -12,11 +12,6 @@ from typing import Any
 from qrobot._files import write_text_atomic
 from qrobot._numbers import number
 from qrobot.errors import MissingExtraError
-from qrobot.report.reproduce.methods import ANNEALERS, METHODS, VQES
-from qrobot.report.reproduce.outcome import Line
-from qrobot.report.reproduce.paper import DEVICES, TITLE, YEAR, paper_rows
-from qrobot.report.reproduce.plots import table_plot
-from qrobot.report.scene import number
 from qrobot.study.reproduce.methods import ANNEALERS, METHODS, VQES
 from qrobot.study.reproduce.outcome import Line
 from qrobot.study.reproduce.paper import DEVICES, TITLE, YEAR, paper_rows
