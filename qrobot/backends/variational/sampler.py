@@ -195,7 +195,8 @@ class VariationalSampler(PickingSampler):
         reads = int(options.num_reads)
         if _interrupted(options):  # a part of them is quick, and better than nothing
             reads = -(-reads // 4)
-        bits = engine.samples(angles, reads, search.draw)
+        with few_threads(search.form.qubits):
+            bits = engine.samples(angles, reads, search.draw)
         clock.append(time.perf_counter())
         info = facts_of(search, seed, engine, trainer, found)
         info["timing"] = lengths(("build", "optimise", "sample"), clock)

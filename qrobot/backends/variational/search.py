@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot.backends.gates.form import Form, diagonal
+from qrobot.backends.gates.threads import few_threads
 from qrobot.backends.variational.ansatz import Ansatz
 from qrobot.backends.variational.engine import Engine, StateEngine
 from qrobot.backends.variational.nft import SWEEPS
@@ -76,19 +77,21 @@ class Search:
             trainer.gradients and options.shots is None, objective.turns is not None
         )
         found = Found(self.starts[0])
-        for start, stream in zip(self.starts, self._ways.spawn(len(self.starts)), strict=True):
-            found.join(
-                minimise(
-                    self.optimizer,
-                    objective.value,
-                    objective.slope,
-                    start,
-                    budget=self._budget(self.optimizer),
-                    rng=np.random.default_rng(stream),
-                    turns=objective.turns if self.optimizer == "nft" else None,
-                    interrupted=options.interrupt_function or (lambda: False),
+        # Here and not only around all: what the device loaded when it was made is held too.
+        with few_threads(self.form.qubits):
+            for start, stream in zip(self.starts, self._ways.spawn(len(self.starts)), strict=True):
+                found.join(
+                    minimise(
+                        self.optimizer,
+                        objective.value,
+                        objective.slope,
+                        start,
+                        budget=self._budget(self.optimizer),
+                        rng=np.random.default_rng(stream),
+                        turns=objective.turns if self.optimizer == "nft" else None,
+                        interrupted=options.interrupt_function or (lambda: False),
+                    )
                 )
-            )
         return found
 
     def _objective(self, trainer: Engine) -> Objective:
