@@ -29,7 +29,7 @@ from qrobot.backends.variational.options import SEARCH, Options
 from qrobot.backends.variational.remote import RemoteEngine
 from qrobot.backends.variational.search import Search
 from qrobot.errors import BackendError, QRobotError, RemoteError
-from qrobot.remote import LIMITS, Estimate, check_budget, redact
+from qrobot.remote import LIMITS, Estimate, check_budget, redact, with_retries
 from qrobot.remote import Options as Life
 from qrobot.remote.cost import FREE, together
 from qrobot.remote.samples import empty
@@ -222,7 +222,13 @@ class VariationalSampler(PickingSampler):
         machine = self.connect(qubits, options, own, life)
         memory.require(32 * qubits**2, f"the couplings of {qubits} qubits")
         search, seed = self._search(bqm, options)
-        engine = self.remote_engine(machine, search.ansatz, options, own)
+        # A machine may be asked for what circuits are made for, so this is a call to a service.
+        engine = with_retries(
+            lambda: self.remote_engine(machine, search.ansatz, options, own),
+            what=f"backend {self.name}",
+            backoff=life.backoff,
+            stop=life.interrupt_function,
+        )
         engine.begin(self.name, bqm, life)
         estimate = engine.cost(int(options.num_reads))
         if trains and options.train == "device":
