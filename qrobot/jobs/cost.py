@@ -155,7 +155,9 @@ def check_budget(estimate: Estimate, max_cost: float | None) -> None:
         return
     if not max_cost >= 0:
         raise InputError(
-            f"{max_cost:g} is no amount of money", field="max_cost", mend="give 0 or more dollars"
+            f"{max_cost:g} is not an amount of money",
+            field="max_cost",
+            mend="give 0 or more dollars",
         )
     if estimate.usd is None:
         raise BackendError(

@@ -51,6 +51,10 @@ _LOST = {
     "PollingTimeout", "ProtocolError", "ReadTimeout", "ReadTimeoutError", "RequestTimeout",
     "RequestsApiError", "Timeout", "TimeoutError",
 }  # fmt: skip
+_SILENT = _REFUSED | _ARRIVED | {
+    "ConnectionError", "ProxyError", "RequestTimeout", "SSLError", "Timeout", "TimeoutError",
+}  # fmt: skip
+"""Nobody answered: whatever else an SDK calls it, it is not a refusal."""
 _BUSY_STATUS = {425, 429}
 """The service says that it did not take it. A gateway's 502 to 504, or a 500, says nothing."""
 
@@ -123,7 +127,7 @@ def classify(error: BaseException) -> Kind:
     status = next((s for one in chain if (s := _status(one)) is not None), None)
     text = str(error).lower()
     # SDKs call it a wrong account too when nobody could be asked: only an answer refuses.
-    silent = status is None and bool(names & (_REFUSED | _ARRIVED))
+    silent = status is None and bool(names & _SILENT)
     if codes & _CREDENTIAL_CODES or status in (401, 403) or (names & _CREDENTIALS and not silent):
         return "credentials"
     if "token not defined" in text or "unable to find account" in text:
@@ -142,6 +146,9 @@ def classify(error: BaseException) -> Kind:
 def translate(error: BaseException, what: str, attempts: int = 1) -> QRobotError:
     """Return our error for an SDK's: one sentence, no secret, no chain to one."""
     kind = classify(error)
+    if kind != "credentials" and type(error).__name__ in _CREDENTIALS:
+        # The SDK blames the account; what it came from is the truth.
+        error = next((one for one in _chain(error) if type(one).__name__ in _SILENT), error)
     text = " ".join(redact(error).split())
     text = text if len(text) <= 300 else f"{text[:300]} ..."
     detail = f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -196,7 +196,7 @@ class JobStore:
         """
         if state is not None and state not in STATES:
             raise InputError(
-                f"{state!r} is no state", field="state", mend=f"use one of: {', '.join(STATES)}"
+                f"{state!r} is not a state", field="state", mend=f"use one of: {', '.join(STATES)}"
             )
         with self._translated():
             rows = self._db.execute(

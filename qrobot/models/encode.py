@@ -80,7 +80,7 @@ def _seated(instance: Instance, layout: Layout, routes: Sequence[Sequence[int]])
         for v in route:
             if not 1 <= v <= layout.items:
                 raise InputError(
-                    f"node {v} is no item",
+                    f"node {v} is not an item",
                     field=f"routes[{k}]",
                     mend=f"items are the nodes 1 to {layout.items}",
                 )

@@ -137,7 +137,8 @@ def _write_lp(
         "couplings": quadratic,
         "constraints": model.number_of_constraints,
         "penalties": None,
-        "ground_state_is_plan": True,
+        # The paper's slack may end one short of the capacity: no robot can stay empty then.
+        "ground_state_is_plan": slack != "paper",
         "offset": 0.0,
         "offset_in_file": True,
     }

@@ -238,8 +238,8 @@ def _check_digits(instance: Instance, layout: Layout, weights: Penalties) -> Non
             f"capacity {float(room * instance.unit):g} is so much larger than the weights that "
             f"energies would lose their digits in the {layout.encoding} encoding",
             field="robots[].capacity",
-            mend="use the compact encoding, or a capacity no larger than the total load "
-            f"{float(int(instance.weights.sum()) * instance.unit):g}",
+            mend="use the compact encoding, penalties 'measured', or a capacity no larger than the "
+            f"total load {float(int(instance.weights.sum()) * instance.unit):g}",
         )
 
 

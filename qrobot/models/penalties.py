@@ -20,6 +20,9 @@ __all__ = ["Encoding", "Penalties"]
 
 Encoding = Literal["compact", "reduced", "full"]
 
+MAX_LOADS = 200_000
+"""Different loads of sets of orders that are looked at for the least overload."""
+
 
 @dataclass(frozen=True, slots=True)
 class Penalties:
@@ -102,18 +105,21 @@ class Penalties:
     def safe(cls, instance: Instance) -> Penalties:
         """Return weights under which the best plan is provably the lowest energy.
 
-        Proof. Let the slack be exact, P one of the weights step, visit, capacity and
-        same_robot, all equal, and U an upper bound of the distance of every feasible plan.
-        A feasible plan leaves each item once and the depot once per trip, so
+        Proof. Let the slack be exact, P the weights step, visit and same_robot, all equal,
+        and U < P an upper bound of the distance of every feasible plan. A feasible plan
+        leaves each item once and the depot once per trip, so
         U = (sum over items i of max over j of d[i, j]) + T max over j of d[0, j], with T
-        the most trips, will do. The shift is 0, so the energy is a sum of terms none of
-        which is negative: walked distances, detours, and weighted squares or products that
-        count violations.
+        the most trips, will do. The capacity weight is P / g^2, with g the least amount by
+        which any set of whole orders exceeds any capacity. The shift is 0, so the energy is
+        a sum of terms none of which is negative: walked distances, detours, and weighted
+        squares or products that count violations.
 
-        An assignment that breaks a constraint has a deviation of at least 1 in it (all
-        sums are whole numbers), so its energy is at least P > U: above every feasible
-        plan. An assignment that breaks none visits each item once, in whole orders, within
-        the capacities, and has the right slack; its energy is the distance walked, with a
+        An assignment that breaks a step, a visit or a whole order has a deviation of at
+        least 1 in it (all sums are whole numbers), so its energy is at least P > U: above
+        every feasible plan. One that breaks none of these visits each item once, in whole
+        orders; where it overloads a robot, it does so by g or more, which no slack can make
+        up for, so its energy is at least (P / g^2) g^2 = P again. One that breaks nothing
+        is a plan whatever its slack, and its energy is at least the distance walked, with a
         detour weight on every return to the depot in the middle. Leaving that return out
         changes the distance by d[i, j] - d[i, 0] - d[0, j] <= detour, so decoding it gives
         a plan that is no longer than the energy. Encoded plans reach that: the lowest
@@ -128,7 +134,7 @@ class Penalties:
         return cls(
             step=weight,
             visit=weight,
-            capacity=weight,
+            capacity=weight / float(_least_overload(instance)) ** 2,
             same_robot=weight,
             detour=_detour(d),
             shift=0.0,
@@ -172,6 +178,24 @@ class Penalties:
                     mend=f"use some of {', '.join(names)}",
                 )
         return dataclasses.replace(measured, **given)
+
+
+def _least_overload(instance: Instance) -> int:
+    """Return the least amount by which a set of whole orders exceeds a capacity, in units.
+
+    Where no set exceeds any, the least capacity above 0: an overload cannot happen. Where
+    there are too many sums to look at, 1: no overload is smaller.
+    """
+    loads = np.zeros(1, dtype=np.int64)
+    for load in instance.order_weights.tolist():
+        loads = np.unique(np.concatenate([loads, loads + load]))
+        if len(loads) > MAX_LOADS:
+            return 1
+    rooms = np.unique(instance.capacities)
+    first = np.searchsorted(loads, rooms, side="right")
+    exceeded = first < len(loads)
+    found = loads[first[exceeded]] - rooms[exceeded] if exceeded.any() else rooms[rooms > 0]
+    return int(found.min()) if found.size else 1
 
 
 def _compact_weight(instance: Instance, trips: int) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 import dimod
 import numpy as np
 import pytest
@@ -55,3 +57,46 @@ def test_aer_has_threads_only_for_large_states() -> None:
     assert _threaded({}, PARALLEL - 1) == {"max_parallel_threads": 1}
     assert _threaded({}, PARALLEL) == {}
     assert _threaded({"max_parallel_threads": 3}, 4) == {"max_parallel_threads": 3}
+
+
+@pytest.mark.parametrize("name", ["statevector", "qiskit-vqe", "pennylane-vqe", "braket-vqe"])
+def test_libraries_that_come_with_a_device_are_held_too(name: str) -> None:
+    """Lightning and Aer bring an OpenMP of their own, which is loaded with the device."""
+    sdk = {"qiskit": "qiskit_aer", "pennylane": "pennylane_lightning", "braket": "braket.devices"}
+    if name != "statevector":
+        pytest.importorskip(sdk[name.partition("-")[0]])
+    from qrobot.backends import get
+
+    bqm = dimod.BinaryQuadraticModel(dict.fromkeys(range(4), 1.0), {(0, 1): 1.0}, 0.0, "BINARY")
+    seen: list[set[int]] = []
+    with threadpool_limits(limits=2):
+        get(name).sample(
+            bqm,
+            num_reads=1,
+            evaluations=3,
+            seed=0,
+            interrupt_function=lambda: seen.append(threads()),
+        )
+    assert seen[0] == {1}
+
+
+@pytest.mark.parametrize("name", ["qaoa-swap", "qaoa-grover"])
+def test_circuits_that_keep_the_plans_take_one_thread(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from oracles import paper_shaped
+
+    from qrobot.backends import Stop, get
+
+    tune = importlib.import_module("qrobot.backends.gate.tune")  # the door's name is a function
+    seen: list[set[int]] = []
+    sharpen = tune.sharpen
+
+    def watched(*given, **named):
+        seen.append(threads())
+        return sharpen(*given, **named)
+
+    monkeypatch.setattr(tune, "sharpen", watched)
+    with threadpool_limits(limits=2):
+        get(name).search(paper_shaped(3, 1, 0), stop=Stop(max_work=4))
+    assert seen == [{1}]

@@ -171,3 +171,87 @@ def test_a_service_without_a_network(
     assert code == 3, text
     assert "cannot be reached" in text
     assert TOKEN not in text
+
+
+JOBS = {
+    "list": ("jobs", "list", "--refresh"),
+    "fetch": ("jobs", "fetch"),
+    "cancel": ("jobs", "cancel"),
+}
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("network", [True, False], ids=["refused", "no network"])
+@pytest.mark.parametrize("backend", ["dwave-qpu", "leap-bqm"])
+def test_jobs_of_a_service_that_refuses_or_is_away(
+    backend: str, network: bool, question: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("dwave.system", reason="the extra dwave is not installed")
+    from remote.fake_sapi import serving
+
+    from qrobot.jobs import JobStore
+
+    monkeypatch.setattr("qrobot.jobs.retry.time.sleep", lambda _: None)
+    with serving() as server:
+        server.sapi.hold = True
+        monkeypatch.setenv("DWAVE_API_ENDPOINT", server.url)
+        monkeypatch.setenv("DWAVE_API_TOKEN", TOKEN)
+        code, text = answer("solve", question, "--backend", backend, "--no-wait")
+        assert code == 0, text
+        with JobStore() as store:
+            (job,) = store.list()
+        server.sapi.refuse = network
+        if not network:
+            monkeypatch.setenv("DWAVE_API_ENDPOINT", "http://127.0.0.1:9/")
+        for name, words in JOBS.items():
+            given = () if name == "list" else (job.id,)
+            code, text = answer("--debug", *words, *given)
+            assert code == (0 if name == "list" else 3), text
+            assert ("refused the credentials" if network else "cannot be reached") in text
+            assert TOKEN not in text
+    code, text = answer("--debug", "doctor")
+    assert TOKEN not in text
+
+
+def test_what_circuits_are_made_for_is_asked_in_the_wrapper() -> None:
+    """A real machine fetches its target from the service when circuits are transpiled for it."""
+    from qrobot.backends.gate.sampler import VariationalSampler
+
+    class Away(VariationalSampler):
+        sdk, algorithm, extra = "away", "qaoa", "ibm"
+
+        def check(self, qubits, options, own):
+            return False
+
+        def connect(self, qubits, options, own, life):
+            return object()
+
+        def engine(self, ansatz, options, own):
+            raise AssertionError("it is remote")
+
+        def remote_engine(self, machine, ansatz, options, own):
+            raise type("SomeError", (Exception,), {"status_code": 401})(f"token={TOKEN}")
+
+    import dimod
+
+    bqm = dimod.BinaryQuadraticModel({0: 1.0}, {}, 0.0, "BINARY")
+    for ask in (Away().sample, Away().estimate):
+        with pytest.raises(qrobot.CredentialsError) as caught:
+            ask(bqm, evaluations=0)
+        assert TOKEN not in str(caught.value)
+        assert caught.value.__context__ is None
+
+
+def test_the_kind_of_a_machine_is_told_without_asking_it() -> None:
+    pytest.importorskip("qiskit", reason="the extra qiskit is not installed")
+    from qrobot.backends.qiskit.runtime import backend_of
+
+    class Machine:
+        @property
+        def target(self) -> None:
+            raise ConnectionError("asked over the network")
+
+    machine = Machine()
+    assert backend_of(machine) is machine
+    with pytest.raises(qrobot.InputError, match="not a backend, session or batch"):
+        backend_of(object())

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from qrobot.errors import BackendError, CredentialsError, InputError, RemoteError
 from qrobot.jobs import Backoff, Estimate, check_budget, with_retries
 from qrobot.jobs.cost import by_shots, by_time, price
-from qrobot.jobs.retry import classify
+from qrobot.jobs.retry import classify, translate
 from qrobot.planning.fallback import run_with_fallback
 
 
@@ -145,7 +145,7 @@ def test_budgets() -> None:
         check_budget(by_time(2, 1, "QPU"), 1)
     with pytest.raises(BackendError, match="cannot be estimated"):
         check_budget(Estimate(None, None, "no price"), 1)
-    with pytest.raises(InputError, match="no amount of money"):
+    with pytest.raises(InputError, match="amount of money"):
         check_budget(Estimate(1.0), float("nan"))
     assert by_shots(1000, 0.0009, 0.3).usd == pytest.approx(1.2)
 
@@ -155,7 +155,7 @@ def test_prices_can_be_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     assert price("dwave-hour") == 36
     for wrong in ("much", "nan", "-1"):
         monkeypatch.setenv("QROBOT_USD_PER_DWAVE_HOUR", wrong)
-        with pytest.raises(InputError, match="no amount of money"):
+        with pytest.raises(InputError, match="amount of money"):
             price("dwave-hour")
 
 
@@ -202,3 +202,45 @@ def test_a_gateways_error_is_no_refusal(status: int) -> None:
                 sleep=lambda _: None,
             )
         assert len(sent) == most
+
+
+def blamed(cause: Exception) -> Exception:
+    """Return what IBM's SDK raises when it could not ask anybody about the account."""
+    kind = type("InvalidAccountError", (Exception,), {})
+    error = kind("Please check that you are using a valid API token.")
+    error.__cause__ = cause
+    return error
+
+
+@pytest.mark.parametrize(
+    "name", ["ConnectTimeout", "ConnectionError", "NameResolutionError", "ProxyError", "SSLError"]
+)
+def test_an_account_that_nobody_was_asked_about_is_not_refused(name: str) -> None:
+    cause = type(name, (Exception,), {})("nobody is there")
+    told = translate(blamed(cause), "IBM Quantum")
+    assert isinstance(told, RemoteError)
+    assert "nobody is there" in str(told)
+    assert "valid API token" not in str(told)  # the account is not what is wrong
+
+
+def test_an_account_that_the_service_refused_is_told() -> None:
+    answer = type("HTTPError", (Exception,), {"status_code": 401})("401")
+    for error in (blamed(answer), blamed(ValueError("bad"))):
+        assert isinstance(translate(error, "IBM Quantum"), CredentialsError)
+
+
+@pytest.mark.parametrize(
+    ("status", "kind"), [(401, CredentialsError), (403, CredentialsError), (503, RemoteError)]
+)
+def test_plugins_tell_what_a_service_answered(status: int, kind: type[Exception]) -> None:
+    from qrobot.backends.gate.engine import attempt
+
+    secret = "DEV-pl4ntedpl4ntedpl4nted0123456789"
+
+    def refused() -> None:
+        raise type("SomeError", (Exception,), {"status_code": status})(f"token={secret}")
+
+    with pytest.raises(kind) as caught:
+        attempt("pennylane", "running the circuit", refused)
+    assert secret not in str(caught.value)
+    assert caught.value.__context__ is None

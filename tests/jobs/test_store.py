@@ -87,7 +87,7 @@ def test_names_must_be_unmistakable(tmp_path: Path) -> None:
                 store.get(wrong)
         with pytest.raises(InputError, match="no job"):
             store.get("")
-        with pytest.raises(InputError, match="is no state"):
+        with pytest.raises(InputError, match="is not a state"):
             store.list("lost")
 
 

@@ -184,8 +184,8 @@ def test_a_thousand_reads_are_judged_in_blocks(monkeypatch: pytest.MonkeyPatch) 
     ("routes", "message"),
     [
         ([[1], [2], [3]], "3 routes for 2 vehicles"),
-        ([[0, 1]], "node 0 is no item"),
-        ([[5]], "node 5 is no item"),
+        ([[0, 1]], "node 0 is not an item"),
+        ([[5]], "node 5 is not an item"),
         ([[1, 2, 3, 4], [4]], "are more than robot red can take"),
         ([[1, 2], []], "no variable for robot blue at depot at step 1"),
     ],

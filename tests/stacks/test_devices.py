@@ -81,7 +81,7 @@ def test_a_local_simulator_may_be_given_as_it_is():
     )
     assert len(found) == 100
     assert "remote" not in found.info
-    with pytest.raises(InputError, match="is no Braket device"):
+    with pytest.raises(InputError, match="is not a Braket device"):
         load("braket-qaoa")().sample(small_model(), device=object())
 
 

@@ -67,3 +67,30 @@ def test_a_density_matrix_that_does_not_fit_is_refused(monkeypatch: pytest.Monke
     monkeypatch.setattr("qrobot.backends.gate.memory.available", lambda: 1000)
     with pytest.raises(BackendError, match=r"density matrix of 3 qubits .* give shots"):
         sample(noisy(), num_reads=1)
+
+
+@pytest.mark.parametrize("given", ["x", {}, 3, ["depolarizing"]])
+@pytest.mark.parametrize("shots", [None, 10])
+def test_what_is_not_a_noise_model_is_refused(given: object, shots: int | None) -> None:
+    with pytest.raises(InputError, match=r"noise_model: .* is not a noise model of Aer"):
+        sample(given, num_reads=1, shots=shots)
+
+
+def of_method(method: str, **options):
+    return get("qiskit-qaoa").sample(
+        model(), device="aer", device_options={"method": method}, num_reads=1, **ANGLES, **options
+    )
+
+
+@pytest.mark.parametrize("method", ["automatic", "density_matrix", "matrix_product_state"])
+def test_methods_of_aer_have_one_answer(method: str) -> None:
+    pure = get("qiskit-qaoa").sample(model(), device="statevector", num_reads=1, **ANGLES)
+    assert of_method(method).info["ground_probability"] == pytest.approx(
+        pure.info["ground_probability"]
+    )
+
+
+@pytest.mark.parametrize("method", ["stabilizer", "unitary", "superop", "magic", 3])
+def test_methods_without_exact_probabilities_are_refused(method: str) -> None:
+    with pytest.raises(InputError, match=r"method: .* gives no exact probabilities"):
+        of_method(method)

@@ -153,5 +153,5 @@ def test_only_known_simulators_are_local() -> None:
 @needs("pennylane")
 def test_what_is_no_device_is_refused_before_any_search() -> None:
     for device in (3, "ionq.qpu"):
-        with pytest.raises(InputError, match="no PennyLane device"):
+        with pytest.raises(InputError, match="not a PennyLane device"):
             get("pennylane-qaoa").sample(small_model(), device=device)

@@ -71,7 +71,7 @@ def arn_of(device: str) -> str:
     if device.startswith("arn:"):
         if not re.fullmatch(r"arn:aws[\w-]*:braket:[\w-]*::device/[\w-]+/[\w-]+/[\w.-]+", device):
             raise InputError(
-                f"{device!r} is no ARN of a Braket device",
+                f"{device!r} is not the ARN of a Braket device",
                 field="device",
                 mend="an example: " + DEVICES["SV1"],
             )
@@ -80,7 +80,7 @@ def arn_of(device: str) -> str:
     names |= {alias: DEVICES[name] for alias, name in ALIASES.items()}
     if device.lower() not in names:
         raise InputError(
-            f"{device!r} is no Braket device",
+            f"{device!r} is not a Braket device",
             field="device",
             mend=f"use local, an ARN, or one of {', '.join(DEVICES)}",
         )

@@ -165,7 +165,7 @@ class _Braket(VariationalSampler):
             arn_of(device)
             return False
         if not callable(getattr(device, "run", None)):
-            raise InputError(f"a {type(device).__name__} is no Braket device", field="device")
+            raise InputError(f"a {type(device).__name__} is not a Braket device", field="device")
         if getattr(device, "arn", None):
             return False
         room(qubits, "Braket's local simulator")

@@ -76,7 +76,7 @@ def make_ansatz(name: str, form: Form, words: Sequence[Term], layers: int) -> An
     least = 0 if name == "hardware" else 1
     if name not in ANSATZES:
         raise InputError(
-            f"{name!r} is no ansatz", field="ansatz", mend=f"use one of {', '.join(ANSATZES)}"
+            f"{name!r} is not an ansatz", field="ansatz", mend=f"use one of {', '.join(ANSATZES)}"
         )
     if layers < least:
         raise InputError(

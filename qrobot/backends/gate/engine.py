@@ -14,6 +14,7 @@ from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.form import bits_of
 from qrobot.backends.gate.state import general
 from qrobot.errors import BackendError, QRobotError
+from qrobot.jobs.retry import classify, translate
 
 __all__ = ["Engine", "PlainEngine", "StateEngine", "attempt", "room"]
 
@@ -37,9 +38,10 @@ def room(qubits: int, where: str, mend: str = "use a smaller model or a remote d
 
 
 def attempt(name: str, doing: str, call: Callable[[], T]) -> T:
-    """Call an SDK; refuse with the kind of its error, never with its text or a chain to it.
+    """Call an SDK; refuse with the kind of its error, never with a chain to it.
 
-    Texts of SDKs may quote a token or a signed address.
+    Texts of SDKs may quote a token or a signed address. Only what a service answers, or that
+    it does not, is told with the text, which `translate` redacts.
 
     Parameters
     ----------
@@ -50,8 +52,10 @@ def attempt(name: str, doing: str, call: Callable[[], T]) -> T:
 
     Raises
     ------
+    CredentialsError, RemoteError
+        When a service refused the credentials, cannot be reached, or is late.
     BackendError
-        When the call fails; errors of ours pass.
+        When the call fails otherwise; errors of ours pass.
     """
     try:
         return call()
@@ -59,6 +63,9 @@ def attempt(name: str, doing: str, call: Callable[[], T]) -> T:
         raise
     except Exception as error:
         kind = type(error).__name__
+        told = None if classify(error) == "final" else translate(error, f"backend {name}")
+    if told is not None:
+        raise told
     raise BackendError(f"backend {name}: {doing} failed ({kind})")
 
 

@@ -110,7 +110,7 @@ def minimise(
     """
     if name not in OPTIMISERS:
         raise InputError(
-            f"{name!r} is no optimizer",
+            f"{name!r} is not an optimizer",
             field="optimizer",
             mend=f"use one of {', '.join(OPTIMISERS)}",
         )

@@ -69,6 +69,7 @@ class _PreservingPlanner:
         from qrobot.backends.classical.exact.packing import no_way
         from qrobot.backends.gate.feasible import feasible_set
         from qrobot.backends.gate.state.subspace import SubspaceQAOA
+        from qrobot.backends.gate.threads import few_threads
         from qrobot.backends.gate.tune import sharpen
 
         try:
@@ -79,8 +80,10 @@ class _PreservingPlanner:
             return Search(infeasible=no_way(instance))
         qaoa = SubspaceQAOA.of(plans, self.mixer)
         limit = EVALUATIONS if stop.max_work is None else max(1, stop.max_work // len(SHARES))
-        found = sharpen(qaoa, LAYERS, evaluations=min(limit, EVALUATIONS), alphas=SHARES, stop=stop)
-        p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
+        most = min(limit, EVALUATIONS)
+        with few_threads(int(plans.size).bit_length()):
+            found = sharpen(qaoa, LAYERS, evaluations=most, alphas=SHARES, stop=stop)
+            p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
         rng = np.random.default_rng(seed)
         reads = rng.choice(plans.size, READS, p=p / p.sum())
         lengths = plans.lengths(reads)

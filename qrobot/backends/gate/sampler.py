@@ -29,7 +29,7 @@ from qrobot.backends.sampler import (
     constant_samples,
 )
 from qrobot.errors import BackendError, QRobotError, RemoteError
-from qrobot.jobs import LIMITS, Estimate, check_budget, redact
+from qrobot.jobs import LIMITS, Estimate, check_budget, redact, with_retries
 from qrobot.jobs import Options as Life
 from qrobot.jobs.cost import FREE, together
 from qrobot.jobs.samples import empty
@@ -195,7 +195,8 @@ class VariationalSampler(PickingSampler):
         reads = int(options.num_reads)
         if _interrupted(options):  # a part of them is quick, and better than nothing
             reads = -(-reads // 4)
-        bits = engine.samples(angles, reads, search.draw)
+        with few_threads(search.form.qubits):
+            bits = engine.samples(angles, reads, search.draw)
         clock.append(time.perf_counter())
         info = facts_of(search, seed, engine, trainer, found)
         info["timing"] = lengths(("build", "optimise", "sample"), clock)
@@ -221,7 +222,13 @@ class VariationalSampler(PickingSampler):
         machine = self.connect(qubits, options, own, life)
         memory.require(32 * qubits**2, f"the couplings of {qubits} qubits")
         search, seed = self._search(bqm, options)
-        engine = self.remote_engine(machine, search.ansatz, options, own)
+        # A machine may be asked for what circuits are made for, so this is a call to a service.
+        engine = with_retries(
+            lambda: self.remote_engine(machine, search.ansatz, options, own),
+            what=f"backend {self.name}",
+            backoff=life.backoff,
+            stop=life.interrupt_function,
+        )
         engine.begin(self.name, bqm, life)
         estimate = engine.cost(int(options.num_reads))
         if trains and options.train == "device":

@@ -12,6 +12,7 @@ from qrobot.backends.gate.nft import SWEEPS
 from qrobot.backends.gate.objective import ExactObjective, Objective, ShotObjective
 from qrobot.backends.gate.optimisers import GRADIENT, Found, minimise
 from qrobot.backends.gate.options import Options
+from qrobot.backends.gate.threads import few_threads
 
 __all__ = ["Search"]
 
@@ -75,19 +76,21 @@ class Search:
             trainer.gradients and options.shots is None, objective.turns is not None
         )
         found = Found(self.starts[0])
-        for start, stream in zip(self.starts, self._ways.spawn(len(self.starts)), strict=True):
-            found.join(
-                minimise(
-                    self.optimizer,
-                    objective.value,
-                    objective.slope,
-                    start,
-                    budget=self._budget(self.optimizer),
-                    rng=np.random.default_rng(stream),
-                    turns=objective.turns if self.optimizer == "nft" else None,
-                    interrupted=options.interrupt_function or (lambda: False),
+        # Here and not only around all: what the device loaded when it was made is held too.
+        with few_threads(self.form.qubits):
+            for start, stream in zip(self.starts, self._ways.spawn(len(self.starts)), strict=True):
+                found.join(
+                    minimise(
+                        self.optimizer,
+                        objective.value,
+                        objective.slope,
+                        start,
+                        budget=self._budget(self.optimizer),
+                        rng=np.random.default_rng(stream),
+                        turns=objective.turns if self.optimizer == "nft" else None,
+                        interrupted=options.interrupt_function or (lambda: False),
+                    )
                 )
-            )
         return found
 
     def _objective(self, trainer: Engine) -> Objective:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from typing import Any, ClassVar
 
 import dimod
 import numpy as np
+import numpy.typing as npt
 
 from qrobot.backends.base import Capabilities
 from qrobot.backends.gate import memory
 from qrobot.backends.gate.form import Form, bits_of
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
+from qrobot.backends.gate.threads import few_threads
 from qrobot.backends.gate.tune import Tuning, tune
 from qrobot.backends.sampler import (
     COMMON,
@@ -131,18 +134,14 @@ class StatevectorSampler(PickingSampler):
         qaoa = DiagonalQAOA(form, precision=precision, threads=threads, engine=engine, alpha=alpha)
         clock.append(time.perf_counter())
         start = None if gammas is None or betas is None else (list(gammas), list(betas))
-        found = tune(qaoa, layers, evaluations=evaluations, start=start, stop=interrupt_function)
+        with few_threads(form.qubits) if threads == 1 else nullcontext():
+            found = tune(
+                qaoa, layers, evaluations=evaluations, start=start, stop=interrupt_function
+            )
+            clock.append(time.perf_counter())
+            qaoa.run(found.gammas, found.betas)
         clock.append(time.perf_counter())
-        qaoa.run(found.gammas, found.betas)
-        clock.append(time.perf_counter())
-        rng = np.random.default_rng(seed)
-        parts = np.diff(np.linspace(0, num_reads, 5).astype(int)) if num_reads > 4 else [num_reads]
-        drawn = []
-        for part in parts:
-            drawn.append(qaoa.sample(int(part), rng))
-            if interrupt_function is not None and interrupt_function():
-                break
-        indices = np.concatenate(drawn)
+        indices = _drawn(qaoa, num_reads, np.random.default_rng(seed), interrupt_function)
         samples = bits_of(indices, form.qubits)
         if bqm.vartype is dimod.SPIN:
             samples = 2 * samples - 1
@@ -154,6 +153,22 @@ class StatevectorSampler(PickingSampler):
                 f"{found.evaluations} runs, and {len(indices)} of {num_reads} reads were taken"
             )
         return dimod.SampleSet.from_samples_bqm((samples, list(form.variables)), bqm, info=info)
+
+
+def _drawn(
+    qaoa: DiagonalQAOA,
+    num_reads: int,
+    rng: np.random.Generator,
+    interrupted: Callable[[], bool] | None,
+) -> npt.NDArray[np.int64]:
+    """Return shots, a quarter at a time: as many as there was time for."""
+    parts = np.diff(np.linspace(0, num_reads, 5).astype(int)) if num_reads > 4 else [num_reads]
+    drawn = []
+    for part in parts:
+        drawn.append(qaoa.sample(int(part), rng))
+        if interrupted is not None and interrupted():
+            break
+    return np.concatenate(drawn)
 
 
 def _info(qaoa: DiagonalQAOA, found: Tuning, clock: list[float]) -> dict[str, Any]:

@@ -304,4 +304,4 @@ def _absent(name: str) -> InputError | MissingExtraError:
     extra = next((e for start, e in EXTRAS.items() if name.startswith(start)), None)
     if extra:
         return MissingExtraError(f"device {name}", extra)
-    return InputError(f"{name!r} is no PennyLane device that is installed", field="device")
+    return InputError(f"{name!r} is not a PennyLane device that is installed", field="device")

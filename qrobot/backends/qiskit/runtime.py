@@ -201,8 +201,11 @@ def backend_of(mode: Any) -> Any:
         When it is none.
     """
     backend = getattr(mode, "_backend", mode)  # sessions give only its name in public
-    if not hasattr(backend, "target"):
-        raise InputError(f"a {type(mode).__name__} is no backend, session or batch", field="mode")
+    # Asked of the class: the attribute itself of a real machine asks the service.
+    if not (hasattr(type(backend), "target") or "target" in getattr(backend, "__dict__", {})):
+        raise InputError(
+            f"a {type(mode).__name__} is not a backend, session or batch", field="mode"
+        )
     return backend
 
 

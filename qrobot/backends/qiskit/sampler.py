@@ -38,6 +38,9 @@ __all__ = ["QiskitQAOA", "QiskitVQE", "circuit_of", "sparse_pauli_op"]
 
 LOCAL = ("statevector", "aer")
 
+EXACT = ("automatic", "statevector", "density_matrix", "matrix_product_state")
+"""Methods of Aer that can tell the probabilities of any circuit of ours."""
+
 CLASSES = {
     "cz": "CZGate", "h": "HGate", "phase": "PhaseGate", "rx": "RXGate", "ry": "RYGate",
     "rz": "RZGate", "rzz": "RZZGate", "swap": "SwapGate", "x": "XGate",
@@ -117,8 +120,8 @@ class _Aer(StateEngine):
         return found
 
 
-class _NoisyAer(StateEngine):
-    """Exact probabilities under a noise model, by Aer's density matrix.
+class _MixedAer(StateEngine):
+    """Exact probabilities, under a noise model too, by Aer's density matrix.
 
     A state vector under noise is one random trajectory of many: only the density matrix, of
     4**n numbers, has them all.
@@ -146,25 +149,59 @@ class _NoisyAer(StateEngine):
         return np.asarray(result.data()["probabilities"], dtype=np.float64)
 
 
-def _is_noisy(options: Options) -> bool:
-    """Return whether Aer is given a noise model that does something."""
+def _noise_of(options: Options) -> Any:
+    """Return the noise model that Aer is given, or None when it does nothing.
+
+    Raises
+    ------
+    InputError
+        When it is something else.
+    """
     model = options.device_options.get("noise_model")
-    return model is not None and not model.is_ideal()
+    if model is None:
+        return None
+    noise = _need("qiskit_aer.noise", "device aer", "qiskit").NoiseModel
+    if not isinstance(model, noise):
+        raise InputError(
+            f"{model!r} is not a noise model of Aer",
+            field="device_options.noise_model",
+            mend="give a qiskit_aer.noise.NoiseModel, from Python",
+        )
+    return None if model.is_ideal() else model
 
 
-def _check_noise(qubits: int, model: Any) -> None:
-    """Refuse a noise model whose exact probabilities cannot be had.
+def _is_mixed(options: Options) -> bool:
+    """Return whether exact probabilities of Aer need its density matrix."""
+    method = options.device_options.get("method")
+    return method == "density_matrix" or _noise_of(options) is not None
+
+
+def _check_exact(qubits: int, options: Options) -> None:
+    """Refuse what Aer's exact probabilities cannot be had of.
 
     Raises
     ------
     BackendError
         When the density matrix does not fit into memory.
     InputError
-        When measurements err too: a density matrix knows the state, not what is read.
+        When the method knows no state of these circuits, or measurements err too: a density
+        matrix knows the state, not what is read.
     """
-    what = f"the density matrix of {qubits} qubits under noise on device aer"
+    method = options.device_options.get("method", EXACT[0])
+    if method not in EXACT:
+        raise InputError(
+            f"{method!r} gives no exact probabilities of these circuits",
+            field="device_options.method",
+            mend=f"use one of {', '.join(EXACT)}, or give shots, such as shots=1000",
+        )
+    if not _is_mixed(options):
+        return
+    model = _noise_of(options)
+    what = f"the density matrix of {qubits} qubits{' under noise' if model else ''} on device aer"
     memory.require(3 * 16 << 2 * qubits, what, "give shots, which take one trajectory each")
-    if any(error.get("type") == "roerror" for error in model.to_dict()["errors"]):
+    if model is not None and any(
+        error.get("type") == "roerror" for error in model.to_dict()["errors"]
+    ):
         raise InputError(
             "the noise model has readout errors, which exact probabilities leave out",
             field="shots",
@@ -202,14 +239,16 @@ class _Qiskit(VariationalSampler):
             if device == "aer":
                 _need("qiskit_aer", "device aer", "qiskit")
             room(qubits, f"device {device}")
-            if device == "aer" and options.shots is None and _is_noisy(options):
-                _check_noise(qubits, options.device_options["noise_model"])
+            if device == "aer":
+                _noise_of(options)
+                if options.shots is None:
+                    _check_exact(qubits, options)
             return True
         if isinstance(device, str) and device.partition(":")[0] == "ibm":
             _need("qiskit_ibm_runtime", f"device {device}", "ibm")
             return False
         raise InputError(
-            f"{device!r} is no device",
+            f"{device!r} is not a device",
             field="device",
             mend=f"use one of {', '.join(LOCAL)}, ibm, ibm:<name>, or mode=",
         )
@@ -226,8 +265,8 @@ class _Qiskit(VariationalSampler):
         made: Engine
         if (_device(options)) == "statevector":
             made = _Statevector(ansatz.circuit)
-        elif options.shots is None and _is_noisy(options):
-            made = _NoisyAer(ansatz.circuit, options, own)
+        elif options.shots is None and _is_mixed(options):
+            made = _MixedAer(ansatz.circuit, options, own)
         elif options.shots is None:
             made = _Aer(ansatz.circuit, options.device_options)
         else:

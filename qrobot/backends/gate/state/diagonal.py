@@ -72,7 +72,7 @@ class DiagonalQAOA:
     ) -> None:
         if precision not in PRECISIONS:
             raise InputError(
-                f"{precision!r} is no precision", field="precision", mend="use double or single"
+                f"{precision!r} is not a precision", field="precision", mend="use double or single"
             )
         if not 0.0 < alpha <= 1.0:
             raise InputError(
@@ -102,7 +102,7 @@ class DiagonalQAOA:
         """Make the state of the given angles; it replaces the one before."""
         if len(gammas) != len(betas) or not len(gammas):
             raise InputError(
-                f"{len(gammas)} gammas and {len(betas)} betas are no layers",
+                f"{len(gammas)} gammas and {len(betas)} betas do not make layers",
                 field="betas",
                 mend="give one of each a layer",
             )

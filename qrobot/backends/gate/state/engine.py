@@ -91,7 +91,7 @@ def make_engine(name: str = "auto", threads: int | None = 1, qubits: int = 64) -
     """
     if name not in ENGINES:
         raise InputError(
-            f"{name!r} is no engine", field="engine", mend=f"use one of: {', '.join(ENGINES)}"
+            f"{name!r} is not an engine", field="engine", mend=f"use one of: {', '.join(ENGINES)}"
         )
     count = thread_count(threads)
     if name == "numba" and not jit.available():

@@ -59,7 +59,7 @@ class SubspaceQAOA:
             pairs = "all" if mixer == "swap-all" else "adjacent"
             return cls(costs, SwapMixer.of(feasible, pairs), alpha=alpha)
         raise InputError(
-            f"{mixer!r} is no mixer", field="mixer", mend="use swap, swap-all or grover"
+            f"{mixer!r} is not a mixer", field="mixer", mend="use swap, swap-all or grover"
         )
 
     # -- the state -------------------------------------------------------------------
