@@ -192,20 +192,20 @@ def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) ->
 
     notes: dict[str, None] = {}
 
-    def draw(path: str) -> None:
-        from qrobot.report import plot
+    def picture_to(path: str) -> None:
+        from qrobot.report.picture import draw
 
-        notes.update(dict.fromkeys(plot(result, path)))
+        notes.update(dict.fromkeys(draw(result, path)))
 
     troubles: list[Exception] = []
-    for paths, write in ((output, result.save), (picture, draw)):
+    for paths, write in ((output, result.save), (picture, picture_to)):
         for path in paths:
             try:
                 write(path)
             except QRobotError as error:
                 troubles.append(error)
     for note in notes:  # with --quiet too: whoever reads the picture would miss it
-        say(f"note: {note}", err=True)
+        say(f"qrobot: note: {note}", err=True)
     return troubles[0] if troubles else None
 
 

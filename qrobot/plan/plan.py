@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any, TypeVar
 
 from qrobot._notebook import html_table, shown_name
+from qrobot._numbers import number
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
 from qrobot.problem.names import canonical
@@ -53,7 +54,7 @@ class Trip:
     def __repr__(self) -> str:
         return (
             f"<Trip of {shown_name(self.robot)}: {len(self.stops)} stops, "
-            f"distance {self.distance:g}, load {self.load:g}>"
+            f"distance {number(self.distance)}, load {number(self.load)}>"
         )
 
 
@@ -89,21 +90,21 @@ class Plan:
         stops = sum(len(trip.stops) for trip in self.trips)
         return (
             f"{shown_name(self.instance)}: {len(self.trips)} trips, {stops} stops, "
-            f"distance {self.distance:g}"
+            f"distance {number(self.distance)}"
         )
 
     def rows(self) -> list[tuple[str, ...]]:
         """Return the cells of a table with the heads `TABLE_HEADS`, a row a trip."""
         return [
             (
-                str(number),
+                str(place),
                 trip.robot,
-                f"{trip.load:g}",
-                f"{trip.distance:g}",
+                number(trip.load),
+                number(trip.distance),
                 str(len(trip.orders)),
                 " ".join(trip.stops),
             )
-            for number, trip in enumerate(self.trips, 1)
+            for place, trip in enumerate(self.trips, 1)
         ]
 
     @classmethod

@@ -89,7 +89,7 @@ class SamplerReport:
     details: dict[str, Any] = field(default_factory=dict, compare=False)
 
     def __repr__(self) -> str:
-        best = "no plan among them" if self.best is None else f"best {self.best:g}"
+        best = "no plan among them" if self.best is None else f"best {number(self.best)}"
         return (
             f"<SamplerReport of {self.backend}: {_reads(self)} of {self.variables} variables, "
             f"{_percent(self.feasible_fraction)} feasible, {best}>"
@@ -191,8 +191,8 @@ class Result:
 
     def _headline(self) -> str:
         return (
-            f"{shown_name(self.instance.name)} by {self.answered_by}: distance {self.cost:g}, "
-            f"{self._quality()}, {len(self.plan.trips)} trips"
+            f"{shown_name(self.instance.name)} by {self.answered_by}: "
+            f"distance {number(self.cost)}, {self._quality()}, {len(self.plan.trips)} trips"
         )
 
     def _repr_html_(self) -> str:

@@ -23,14 +23,14 @@ from qrobot.report.scene import scene_of
 if TYPE_CHECKING:
     from qrobot.planning import Result
 
-__all__ = ["check_picture_path", "plot", "save", "style"]
+__all__ = ["check_picture_path", "draw", "plot", "save", "style"]
 
 DOTS_PER_INCH = 160
 
 
 def plot(
     answer: Result | Plan | StrPath, path: StrPath, instance: Instance | StrPath | None = None
-) -> tuple[str, ...]:
+) -> None:
     """Draw a plan and write it as SVG or PNG, as the file's suffix says.
 
     More than 12 trips are drawn on a small map each, too. Names are drawn in fonts of this machine
@@ -45,10 +45,10 @@ def plot(
     instance
         The question; needed for a plan alone.
 
-    Returns
-    -------
-    tuple of str
-        What a person should know of the picture, a sentence each: characters that no font here has.
+    Warns
+    -----
+    UserWarning
+        What a person should know of the picture: characters that no font here has.
 
     Raises
     ------
@@ -58,6 +58,14 @@ def plot(
         When the suffix is another one, the file cannot be written, or plan and instance do
         not belong together.
     """
+    for note in draw(answer, path, instance):
+        warnings.warn(note, stacklevel=2)
+
+
+def draw(
+    answer: Result | Plan | StrPath, path: StrPath, instance: Instance | StrPath | None = None
+) -> tuple[str, ...]:
+    """Do what `plot` does, and return what a person should know of the picture, a sentence each."""
     kind = check_picture_path(path)
     scene = scene_of(answer, instance)
     texts = scene.texts()
@@ -86,7 +94,7 @@ def check_picture_path(path: str | os.PathLike[str]) -> str:
     kind = Path(path_text(path)).suffix.lower().lstrip(".")
     if kind not in {"svg", "png"}:
         raise InputError(
-            f"{os.fspath(path)!r} does not say which kind of picture",
+            f"{os.fspath(path)!r} does not say the kind of picture",
             mend="end it with .svg or .png",
         )
     return kind

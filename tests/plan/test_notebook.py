@@ -12,6 +12,7 @@ from oracles import paper_shaped
 
 import qrobot
 from qrobot._notebook import MOST_ROWS, html_table
+from qrobot._numbers import number
 from qrobot.models import build_model
 from qrobot.problem import DistanceTable
 
@@ -55,7 +56,7 @@ def test_every_repr_is_one_short_line() -> None:
 def test_reprs_say_what_matters() -> None:
     result = qrobot.solve(paper_shaped(4, 2, 0), backend="exact")
     assert repr(result).startswith("<Result of ")
-    assert f"distance {result.cost:g}, proven optimal" in repr(result)
+    assert f"distance {number(result.cost)}, proven optimal" in repr(result)
     assert f"{len(result.plan.trips)} trips, 4 stops" in repr(result.plan)
     assert "4 items, 4 orders, 2 robots" in repr(result.instance)
 
