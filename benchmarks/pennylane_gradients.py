@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import numpy as np
-from gates_sdk.pickings import table2_model
+from stacks.pickings import table2_model
 from outputs import write
 
 from qrobot.backends.pennylane.sampler import PennyLaneVQE

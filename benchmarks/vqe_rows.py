@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import dimod
 import numpy as np
-from gates_sdk.pickings import shortest, table2, table2_model
+from stacks.pickings import shortest, table2, table2_model
 from outputs import write
 
 from qrobot.backends import get

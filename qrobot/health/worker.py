@@ -41,7 +41,9 @@ def main() -> None:
         tell(import_seconds=time.perf_counter() - begun)
         begun = time.perf_counter()
         answer = [float(number) for number in check.answer()]
-        tell(run_seconds=time.perf_counter() - begun, answer=answer, peak_mb=_peak())
+        tell(
+            run_seconds=time.perf_counter() - begun, answer=list(map(repr, answer)), peak_mb=_peak()
+        )
         tell(expected=[float(number) for number in check.expected()])
     except MemoryError:
         tell(error="out of memory")

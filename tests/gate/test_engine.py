@@ -108,7 +108,7 @@ def test_passes_cover_every_qubit_once(qubits: int) -> None:
 
 
 def test_engines_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(InputError, match="no engine"):
+    with pytest.raises(InputError, match="is not an engine"):
         make_engine("abacus")
     with pytest.raises(InputError, match="too few"):
         make_engine("numpy", 0)

@@ -115,7 +115,7 @@ def test_the_expected_best_of_shots() -> None:
 
 def test_options_are_checked() -> None:
     plans = feasible_set(paper_shaped(3, 1, 0))
-    with pytest.raises(InputError, match="no mixer"):
+    with pytest.raises(InputError, match="is not a mixer"):
         SubspaceQAOA.of(plans, "blender")
     with pytest.raises(InputError, match="alpha"):
         SubspaceQAOA.of(plans, alpha=2.0)

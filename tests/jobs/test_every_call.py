@@ -186,7 +186,7 @@ def test_jobs_of_a_service_that_refuses_or_is_away(
     backend: str, network: bool, question: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("dwave.system", reason="the extra dwave is not installed")
-    from remote.fake_sapi import serving
+    from jobs.fake_sapi import serving
 
     from qrobot.jobs import JobStore
 

@@ -54,7 +54,7 @@ def test_a_file_in_the_current_folder_is_not_run_by_helpers(
 def test_closing_ends_helpers_before_their_deadline() -> None:
     crew = Crew(paper_shaped(40, 4, 1), "batching", 0, seconds=1e6, max_work=None, helpers=1)
     pid = crew._processes[0].pid
-    until(lambda: crew._plans, "the helper finds no plan")
+    until(lambda: crew._latest[0], "the helper finds no plan")
     found: list[Routes] = []
     crew.close(found.append, wait=0.0)
     assert found
@@ -67,7 +67,7 @@ def test_helpers_end_when_their_parent_is_killed() -> None:
         "from oracles import paper_shaped\n"
         "from qrobot.planning.crew import Crew\n"
         "c = Crew(paper_shaped(40, 4, 1), 'batching', 0, 1e6, None, 1)\n"
-        "while not c._plans: time.sleep(0.02)\n"
+        "while not c._latest[0]: time.sleep(0.02)\n"
         "print(c._processes[0].pid, flush=True); sys.stdin.read()\n"
     )
     parent = subprocess.Popen(

@@ -25,7 +25,7 @@ NAME = "file-service"
 
 @pytest.fixture(autouse=True)
 def service(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setitem(registry.BUILTIN, NAME, ("remote.file_sampler", "FileSampler", "numpy"))
+    monkeypatch.setitem(registry.BUILTIN, NAME, ("jobs.file_sampler", "FileSampler", "numpy"))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setenv("FILE_SERVICE", str(tmp_path / "service"))
     return tmp_path
@@ -142,7 +142,7 @@ def test_the_commands_do_the_same_in_processes_of_their_own(
     # Another process makes the plan: all that it needs was kept.
     script = (
         "from qrobot.backends import registry\n"
-        f"registry.BUILTIN[{NAME!r}] = ('remote.file_sampler', 'FileSampler', 'numpy')\n"
+        f"registry.BUILTIN[{NAME!r}] = ('jobs.file_sampler', 'FileSampler', 'numpy')\n"
         "from qrobot.cli import main\n"
         f"main(['jobs', 'fetch', {job!r}, '--plan', {str(plan)!r}])\n"
     )

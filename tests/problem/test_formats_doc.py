@@ -6,6 +6,7 @@ That its documents can be read is held by tests/pages.
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -68,4 +69,8 @@ def test_the_errors_are_those_of_the_code(folder: Path, document: dict[str, Any]
     for line in told.splitlines():
         with pytest.raises(qrobot.InputError) as caught:
             qrobot.read(folder / line.partition(":")[0])
-        assert str(caught.value).removeprefix(f"{folder}/") == line
+        found = str(caught.value).removeprefix(f"{folder}/")
+        # The file of the page is not this one, line by line.
+        place = r"(?<=slot), line \d+, column \d+"
+        assert re.sub(place, "", found) == re.sub(place, "", line)
+        assert re.search(place, found) or "slot" not in line

@@ -199,7 +199,7 @@ def test_small_distances_that_were_rounded_are_told(tmp_path: Path) -> None:
     assert read(tmp_path, small).notes[0].startswith(said)
     assert read(tmp_path, small, rounding="none").notes == ()
     assert "as CEIL_2D demands" in read(tmp_path, small.replace("EUC_2D", "CEIL_2D")).notes[0]
-    large = FLOOR.replace("3.3 4", "330 400")
+    large = FLOOR.replace("3.3 4", "330 400").replace("0 5.2", "0 520").replace("4 1 1", "4 100 1")
     assert read(tmp_path, large).notes == ()
     whole = FLOOR.replace("3.3 4", "0 4").replace("5.2", "2").replace("4 1 1", "4 0 1")
     assert read(tmp_path, whole).notes == ()  # nothing was lost

@@ -57,7 +57,7 @@ SAMPLERS = {
 
 def load(name: str) -> Any:
     """Return the class of a sampler; its SDK is not imported."""
-    module = importlib.import_module(f"qrobot.backends.{name.partition('-')[0]}")
+    module = importlib.import_module(f"qrobot.backends.{name.partition('-')[0]}.sampler")
     return getattr(module, SAMPLERS[name])
 
 
