@@ -58,7 +58,7 @@ def test_the_errors_are_those_of_the_code(folder: Path, document: dict[str, Any]
     (folder / "wave.json").write_text(json.dumps(wave))
     header = blocks_of(PAGE, "csv")[0].text.splitlines()[0]
     rows = [f"A{k},bolt,{weight},1,1,0,0,left" for k, weight in enumerate("11111")]
-    (folder / "orders.csv").write_text("\n".join([header, *rows, "B,bolt,2.5 kg,1,1,0,0,left"]))
+    (folder / "orders.csv").write_text("\n".join([header, *rows, 'B,bolt,"1,234",1,1,0,0,left']))
     places = "\n".join(f"{k} {k} 0" for k in range(1, 33))
     demands = "\n".join(f"{k} {int(k > 1)}" for k in range(1, 13))
     (folder / "A-n32-k5.vrp").write_text(
