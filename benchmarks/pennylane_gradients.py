@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import numpy as np
-from stacks.pickings import table2_model
 from outputs import write
+from stacks.pickings import table2_model
 
 from qrobot.backends.pennylane.sampler import PennyLaneVQE
 

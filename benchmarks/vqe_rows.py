@@ -25,8 +25,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import dimod
 import numpy as np
-from stacks.pickings import shortest, table2, table2_model
 from outputs import write
+from stacks.pickings import shortest, table2, table2_model
 
 from qrobot.backends import get
 from qrobot.backends.gate.form import bits_of
