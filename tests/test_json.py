@@ -17,7 +17,7 @@ from qrobot.problem.formats.jsontext import dumps
 PACKAGE = Path(__file__).resolve().parents[1] / "qrobot"
 OWN_WRITERS = {
     "_json.py",
-    "image/quoting.py",  # quotes texts
+    "card/quoting.py",  # quotes texts
     "problem/formats/fields.py",  # quotes texts
     "problem/formats/jsontext.py",  # keeps every digit
 }

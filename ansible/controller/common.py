@@ -14,7 +14,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 # The checkout's own package and docker/lock.py, also where only packaging is installed.
-sys.path[:0] = [str(ROOT), str(ROOT / "docker")]
+sys.path += [str(ROOT), str(ROOT / "docker")]
 
 from qrobot.errors import QRobotError  # noqa: E402
 

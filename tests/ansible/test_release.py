@@ -16,7 +16,7 @@ import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from release_house import PROGRAM, entry, load, lock, uv, wheel
+from release_house import PLUGINS, PROGRAM, entry, load, lock, uv, wheel
 
 release = load()
 CASES = [
@@ -144,7 +144,10 @@ def test_a_kill_at_any_step_leaves_a_state_that_the_next_run_completes(case: str
     with tempfile.TemporaryDirectory(dir=memory) as folder:
         program = Path(__file__).with_name("release_crash.py")
         done = subprocess.run(
-            [sys.executable, program, case, folder], capture_output=True, text=True
+            [sys.executable, program, case, folder],
+            env=os.environ | {"PYTHONPATH": str(PLUGINS / "module_utils")},
+            capture_output=True,
+            text=True,
         )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)

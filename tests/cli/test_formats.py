@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import re
 from pathlib import Path
@@ -115,6 +116,7 @@ def test_a_forbidden_way_in_every_output(tmp_path: Path) -> None:
     report = json.loads(done.stdout, parse_constant=pytest.fail)
     assert (done.exit_code, report["distance"]) == (1, None)
     assert report["problems"][0]["kind"] == "unreachable"
-    for name in ("x.lp", "x.coo", "x.bqm.json"):
+    docplex = importlib.util.find_spec("docplex") is not None
+    for name in ("x.coo", "x.bqm.json", *(["x.lp"] if docplex else [])):
         run("export", question, tmp_path / name)
         assert not re.search(r"\b(inf|infinity|nan)\b", (tmp_path / name).read_text().lower())
