@@ -208,7 +208,7 @@ def main() -> None:
     for path in parser.parse_args().wheels:
         given += sorted(path.glob("*.whl")) if path.is_dir() else [path]
     if not given:
-        raise InputError("there are no wheels", field="WHEEL", mend="run `make wheelhouse`")
+        raise InputError("wheels are missing", field="WHEEL", mend="run `make wheelhouse`")
     known = reviews()
     found = [one for path in given for one in scan_wheel(path)]
     for line in table(found, known):

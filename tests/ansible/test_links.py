@@ -90,14 +90,12 @@ def leaves(value: Any, at: str = "") -> Iterator[tuple[str, str]]:
 
 def unwrapped(task: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
     """The task that a job is, with an argv that stands in its variables in its place."""
-    variables = dict(task.get("vars", {}))
-    options = dict(given["options"])
+    variables, options = dict(task.get("vars", {})), dict(given["options"])
     name = str(options.get("argv")).strip("{} ")
     if isinstance(variables.get(name), list):
         options["argv"] = variables.pop(name)
     kept = {key: value for key, value in task.items() if key in RESERVED}
-    module = str(given["module"]).removeprefix("ansible.legacy.")
-    return {**kept, "vars": variables, module: options}
+    return kept | {"vars": variables, given["module"].removeprefix("ansible.legacy."): options}
 
 
 def fault_of(task: dict[str, Any]) -> str:
@@ -133,8 +131,7 @@ def test_no_task_of_root_touches_a_path_below_a_users_folder() -> None:
     found = [f"{place}: {task.get('name')}: {fault}" for place, task in tasks()
              if (fault := fault_of(task))]  # fmt: skip
     assert found == []
-    used = {module_of(task)[0] for _, task in tasks()}
-    assert used >= {*SAFE, "file", "command", "stat"}
+    assert {module_of(task)[0] for _, task in tasks()} >= {*SAFE, "file", "command", "stat"}
 
 
 @pytest.mark.parametrize(
@@ -158,10 +155,7 @@ def test_no_task_of_root_touches_a_path_below_a_users_folder() -> None:
         {"ansible.builtin.command": {"argv": ["rm", "-rf", "{{ qrobot_reports }}"]}},
         {"ansible.builtin.copy": {"dest": "/var/lib/qrobot-desktop/.config"}},
         {
-            "qrobot_job": {
-                "module": "ansible.legacy.command",
-                "options": {"argv": "{{ x }}"},
-            },
+            "qrobot_job": {"module": "ansible.legacy.command", "options": {"argv": "{{ x }}"}},
             "vars": {"x": ["rm", "-rf", "{{ qrobot_home }}/y"]},
         },
         {"ansible.builtin.slurp": {"src": "{{ [qrobot_home, '.x'] | join('/') }}"}},
