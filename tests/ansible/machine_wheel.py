@@ -7,8 +7,25 @@ import hashlib
 import zipfile
 from pathlib import Path
 
+Edits = dict[str, tuple[str, str]]
+"""By file of the wheel: a text that is in it, and what replaces it."""
 
-def another(wheel: Path, folder: Path, version: str, **edits: tuple[str, str]) -> Path:
+WRONG_PLANS: Edits = {
+    "qrobot/backends/classical/exact/partition.py": (
+        "taken = int(np.argmin(best[k - 1][parts[run]] + trip_costs[k][rests[run]]))",
+        "both = best[k - 1][parts[run]] + trip_costs[k][rests[run]]\n"
+        "        taken = int(np.argmax(np.where(np.isfinite(both), both, -1.0)))",
+    )
+}
+"""The exact solver takes the worst partition instead of the best one."""
+
+NO_START: Edits = {
+    "qrobot/cli/main.py": ("from __future__ import annotations", "import planted_fault")
+}
+"""The command line imports what does not exist."""
+
+
+def another(wheel: Path, folder: Path, version: str, edits: Edits | None = None) -> Path:
     """Write a wheel of another version.
 
     Parameters
@@ -20,11 +37,11 @@ def another(wheel: Path, folder: Path, version: str, **edits: tuple[str, str]) -
     version
         Its version.
     edits
-        By module, ``__`` in place of ``/``: a text that is in it, and what replaces it.
+        What is changed in it beside the version.
     """
     old = wheel.name.split("-")[1]
     target = folder / wheel.name.replace(f"-{old}-", f"-{version}-")
-    changes = {f"{name.replace('__', '/')}.py": pair for name, pair in edits.items()}
+    changes = dict(edits or {})
     changes["qrobot/_version.py"] = (f'"{old}"', f'"{version}"')
     changes["METADATA"] = (f"\nVersion: {old}\n", f"\nVersion: {version}\n")
     record = ""

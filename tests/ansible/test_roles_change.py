@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from machine import Machine, Run
-from machine_wheel import another
+from machine_wheel import NO_START, WRONG_PLANS, Edits, another
 
 SECRETS = {
     "credentials_aws_access_key_id": "AKIAQROBOTPLANTED000",
@@ -28,13 +28,6 @@ FILES = {
     "/var/lib/qrobot/.qiskit/qiskit-ibm.json",
     "/var/lib/qrobot/.config/dwave/dwave.conf",
 }
-# The worst split that fits, in place of the best one.
-SPLIT = (
-    "taken = int(np.argmin(best[k - 1][parts[run]] + trip_costs[k][rests[run]]))",
-    "both = best[k - 1][parts[run]] + trip_costs[k][rests[run]]\n"
-    "        taken = int(np.argmax(np.where(np.isfinite(both), both, -1.0)))",
-)
-IMPORT = ("from __future__ import annotations", "import planted_fault")
 
 
 class Watch(threading.Thread):
@@ -181,8 +174,8 @@ def test_a_link_in_the_home_leads_root_nowhere(
 @pytest.mark.parametrize(
     ("version", "edits", "says"),
     [
-        ("0.2.0", {"qrobot__backends__exact__partition": SPLIT}, "(qrobot: "),
-        ("0.2.1", {"qrobot__cli__main": IMPORT}, "planted_fault"),
+        ("0.2.0", WRONG_PLANS, "(qrobot: "),
+        ("0.2.1", NO_START, "planted_fault"),
     ],
 )
 def test_an_upgrade_that_fails_its_proof_leaves_the_old_release(
@@ -191,11 +184,11 @@ def test_an_upgrade_that_fails_its_proof_leaves_the_old_release(
     wheel: Path,
     tmp_path: Path,
     version: str,
-    edits: dict[str, tuple[str, str]],
+    edits: Edits,
     says: str,
 ) -> None:
     before = release(machine)
-    bad = another(wheel, tmp_path, version, **edits)
+    bad = another(wheel, tmp_path, version, edits)
     done = machine.playbook("upgrade.yml", qrobot_wheel=str(bad))
     assert done.code != 0
     sentence = done.why()
