@@ -13,6 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from itertools import pairwise
 
+from qrobot.problem.checks import MAX_LENGTH
 from qrobot.problem.warehouse import (
     AisleWarehouse,
     DistanceTable,
@@ -69,7 +70,8 @@ class Ruler:
 
 def _in_table(table: DistanceTable, a: Place | None, b: Place | None) -> float:
     row, column = (p.index if isinstance(p, Node) else table.depot_node for p in (a, b))
-    return 0.0 if row == column else float(table.matrix[row][column])
+    length = 0.0 if row == column else float(table.matrix[row][column])
+    return length if length <= MAX_LENGTH else math.inf  # a marker: no way leads there
 
 
 def _on_floor(floor: OpenFloor, a: Place | None, b: Place | None) -> float:

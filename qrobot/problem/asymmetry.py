@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from qrobot.problem.checks import MAX_LENGTH
+
 __all__ = ["unreachable", "unusual"]
 
 
@@ -30,13 +32,17 @@ def unreachable(ways: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
     return np.flatnonzero(cut_off)
 
 
-def unusual(d: npt.NDArray[np.float64], names: Sequence[str]) -> tuple[str, ...]:
+def unusual(
+    d: npt.NDArray[np.float64], given: npt.NDArray[np.float64], names: Sequence[str]
+) -> tuple[str, ...]:
     """Return a sentence each for forbidden ways, asymmetry and a broken triangle inequality.
 
     Parameters
     ----------
     d
         Distances, shape (n, n); ``inf`` where no way leads directly.
+    given
+        The same as the file has them: a number so large that it marks a missing way is in it.
     names
         What row and column i stand for.
     """
@@ -49,6 +55,12 @@ def unusual(d: npt.NDArray[np.float64], names: Sequence[str]) -> tuple[str, ...]
             f"no way leads directly from {names[i]} to {names[j]}"
             + (f", and {count - 1} more are missing" if count > 1 else "")
         )
+        markers = given[forbidden & np.isfinite(given)]
+        if markers.size:
+            found.append(
+                f"distances above {MAX_LENGTH:g}, such as {markers.max():g}, are taken as missing "
+                f"ways ({markers.size} of them)"
+            )
         d = np.where(forbidden, np.nan, d)
     apart = np.nan_to_num(np.abs(d - d.T))
     if (apart > 1e-9).any():

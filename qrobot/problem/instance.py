@@ -324,7 +324,7 @@ class Instance:
         names = [self.node_name(node) for node in first]
         found = self.remarks + outlying(d, names, self.longest_useful)
         if isinstance(floor, DistanceTable):  # the others are metric by construction
-            found += unusual(d, names)
+            found += unusual(d, floor.given_distances(self.places), names)
         elif isinstance(floor, OpenFloor) and floor.rounding == "nearest":
             exact = dataclasses.replace(floor, rounding="none")
             rule = "EUC_2D" if floor.metric == "euclidean" else "MAN_2D"

@@ -24,7 +24,8 @@ class DistanceTable:
     ----------
     matrix
         Square rows of distances; asymmetric ones are allowed, ``inf`` where no way leads
-        directly. The diagonal is not used, whatever it holds.
+        directly. A larger one than `MAX_LENGTH` marks a missing way, too. The diagonal is not used,
+        whatever it holds.
     depot_node
         The row of the depot.
     positions
@@ -52,11 +53,11 @@ class DistanceTable:
                     mend="make the matrix square",
                 )
         values = np.asarray(self.matrix, dtype=np.float64)
-        bad = ~((values >= 0) & ((values <= MAX_LENGTH) | np.isinf(values)))
+        bad = ~(values >= 0)  # NaN too
         np.fill_diagonal(bad, False)
         for i, j in np.argwhere(bad)[:1].tolist():
             raise InputError(
-                f"{values[i, j]:g} is not 0 to {MAX_LENGTH:g}",
+                f"{values[i, j]:g} is not 0 or more",
                 field=f"matrix[{i}][{j}]",
                 mend="correct the distance",
             )
@@ -103,8 +104,14 @@ class DistanceTable:
         Returns
         -------
         numpy.ndarray
-            Shape (n + 1, n + 1); row 0 is the depot.
+            Shape (n + 1, n + 1); row 0 is the depot, ``inf`` where no way leads.
         """
+        matrix = self.given_distances(places)
+        matrix[matrix > MAX_LENGTH] = np.inf
+        return matrix
+
+    def given_distances(self, places: Sequence[Place]) -> Floats:
+        """Return the same as `distance_matrix`, with markers of missing ways as they were given."""
         rows = [self.depot_node, *(p.index for p in places if isinstance(p, Node))]
         matrix = np.array(self.matrix, dtype=np.float64)
         np.fill_diagonal(matrix, 0.0)

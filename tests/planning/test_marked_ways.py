@@ -16,7 +16,7 @@ import qrobot
 from qrobot.models import Penalties
 from qrobot.problem import DistanceTable, Instance, Item, Node, Order, Point, Robot
 
-MARKERS = (1_000.0, 999_999_999.0, 1e9, math.inf)
+MARKERS = (1_000.0, 999_999_999.0, 1e9, 2.0**31 - 1, 1e15, 1e300, math.inf)
 
 
 def marked(marker: float, items: int, seed: int, share: float, *, whole: bool = True) -> Instance:

@@ -130,7 +130,7 @@ def test_other_faults_of_a_vrp_file(tmp_path: Path, old: str, new: str, place: s
 
 def test_a_distance_of_a_matrix(tmp_path: Path) -> None:
     said = refusal(tmp_path / "x.vrp", MATRIX.replace("5 6", "5 -6"))
-    assert said.startswith("EDGE_WEIGHT_SECTION, line 9, column 3: -6 is not 0 to 1e+09 (from")
+    assert said.startswith("EDGE_WEIGHT_SECTION, line 9, column 3: -6 is not 0 or more (from")
 
 
 @pytest.mark.parametrize("junk", ["", "\u200b", "-7", "1_000", "nan", "0.5.5", "99999999999999"])

@@ -112,8 +112,8 @@ A, B = Point(1, 1), Point(2, 2)
         (lambda: OpenFloor(depot_x=math.inf), "depot.x: inf is not -1e+09 to 1e+09; correct it"),
         (lambda: DistanceTable(()), "matrix: is empty; give at least the depot's row"),
         (lambda: DistanceTable(((0, 1), (1,))), "matrix[1]: has 1 entries where the matrix has 2"),
-        (lambda: DistanceTable(((0, -1), (1, 0))), "matrix[0][1]: -1 is not 0 to 1e+09; correct"),
-        (lambda: DistanceTable(((0, math.nan), (1, 0))), "matrix[0][1]: nan is not 0 to"),
+        (lambda: DistanceTable(((0, -1), (1, 0))), "matrix[0][1]: -1 is not 0 or more; correct"),
+        (lambda: DistanceTable(((0, math.nan), (1, 0))), "matrix[0][1]: nan is not 0 or"),
         (
             lambda: DistanceTable(((0,),), depot_node=1),
             "depot_node: 1 is outside the layout; use 0",

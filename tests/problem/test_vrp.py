@@ -233,7 +233,7 @@ def without(section: str) -> str:
         (explicit("SPIRAL", [1], 1), "EDGE_WEIGHT_FORMAT: SPIRAL is not known; use one of FULL_M"),
         (
             explicit("LOWER_ROW", [-1, 1, 1, 1, 1, 1], 6),
-            "EDGE_WEIGHT_SECTION: -1 is not 0 to 1e+09",
+            "EDGE_WEIGHT_SECTION: -1 is not 0 or more",
         ),
         (GOOD.replace("CAPACITY : 10", "CAPACITY : ten"), "CAPACITY: ten is not a finite number"),
         (GOOD.replace("CAPACITY : 10", "CAPACITY : 0"), "CAPACITY: 0 is not positive; correct it"),

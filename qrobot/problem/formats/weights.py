@@ -11,7 +11,6 @@ from collections.abc import Callable
 import numpy as np
 
 from qrobot._arrays import Floats
-from qrobot.problem.checks import MAX_LENGTH
 from qrobot.problem.formats.tsplib import Section
 
 __all__ = ["LAYOUTS", "METRICS", "ROUNDINGS", "geographical", "pseudo_euclidean", "square_matrix"]
@@ -140,11 +139,11 @@ def square_matrix(section: Section, layout: str, size: int) -> Floats:
         return np.zeros((size, size))
     matrix = weights[at]
     np.fill_diagonal(matrix, 0.0)
-    bad = np.argwhere(~((matrix >= 0) & (matrix <= MAX_LENGTH)))
+    bad = np.argwhere(~(matrix >= 0))
     for i, j in bad[:1].tolist():
         raise section.error_at(
             int(at[i, j]),
-            f"{matrix[i, j]:g} is not 0 to {MAX_LENGTH:g} (from node {i + 1} to {j + 1})",
+            f"{matrix[i, j]:g} is not 0 or more (from node {i + 1} to {j + 1})",
             "correct the distance",
         )
     return matrix
