@@ -11,7 +11,7 @@ from qrobot.backends import Capabilities, Planner, Search, Stop, available, get,
 
 
 class OneByOne:
-    """The planner of docs/backends.md: every order on a trip of its own."""
+    """The planner of docs/extending.md: every order on a trip of its own."""
 
     name = "one-by-one"
     capabilities = Capabilities(kind="planner")

@@ -140,5 +140,6 @@ class Reader:
     def prove_suites(self, source: str) -> None:
         """Let pytest run the classes of tests that a page defines."""
         if any(name.startswith("Test") for name in vars(self._page)):
-            (self.folder / "test_page.py").write_text(source)
+            future = "from __future__ import annotations\n"  # only a file's first statement
+            (self.folder / "test_page.py").write_text(future + source.replace(future, ""))
             self.type("python -m pytest -q -p no:cacheprovider test_page.py")
