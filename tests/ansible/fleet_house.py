@@ -63,7 +63,7 @@ def stand_in(folder: Path, playbook: str, tasks: dict[str, list[dict[str, Any]]]
 
 
 def play(
-    folder: Path, playbook: Path, hosts: dict[str, dict[str, Any]], **more: Any
+    folder: Path, playbook: Path, hosts: dict[str, dict[str, Any]], *options: str, **more: Any
 ) -> subprocess.CompletedProcess[str]:
     """Run a playbook on hosts, with extra variables; the answer with all that was printed."""
     inventory = {"all": {"hosts": hosts}}
@@ -76,6 +76,7 @@ def play(
         "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
         "ANSIBLE_MODULE_UTILS": str(PLUGINS / "module_utils"),
         "ANSIBLE_ACTION_PLUGINS": str(PLUGINS / "action"),
+        "ANSIBLE_LOOKUP_PLUGINS": str(PLUGINS / "lookup"),
         "ANSIBLE_CALLBACK_PLUGINS": str(PLUGINS / "callback"),
         "ANSIBLE_CALLBACKS_ENABLED": "qrobot_outcome",
         "ANSIBLE_LOCAL_TEMP": str(temporary),
@@ -89,7 +90,7 @@ def play(
         "TMPDIR": str(temporary),
     }
     command = [program("ansible-playbook"), "-i", str(folder / "inventory.json"), str(playbook)]
-    command += ["--extra-vars", json.dumps(more)]
+    command += [*options, "--extra-vars", json.dumps(more)]
     try:
         return subprocess.run(command, env=settings, capture_output=True, text=True, check=False)
     finally:

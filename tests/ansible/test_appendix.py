@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -28,18 +29,13 @@ def words(cell: str) -> list[str]:
     return re.findall(r"`([^`]+)`", cell)
 
 
-def steps() -> dict[str, list[str]]:
-    found: dict[str, list[str]] = yaml.safe_load(
-        (ROOT / "ansible/roles/stacks/defaults/main.yml").read_text()
-    )["stacks_steps"]
+def owns(role: str) -> dict[str, Any]:
+    text = (ROOT / f"ansible/roles/{role}/vars/owns.yml").read_text()
+    found: dict[str, Any] = yaml.safe_load(text)[f"{role}_owns"]
     return found
 
 
-def profiles() -> dict[str, list[str]]:
-    found: dict[str, list[str]] = yaml.safe_load(
-        (ROOT / "ansible/roles/stacks/defaults/main.yml").read_text()
-    )["stacks_profiles"]
-    return found
+STEPS: list[dict[str, Any]] = owns("stacks")["steps"]
 
 
 def test_eleven_steps_each_with_a_role_or_a_generator_and_a_check() -> None:
@@ -57,20 +53,20 @@ def test_eleven_steps_each_with_a_role_or_a_generator_and_a_check() -> None:
 
 
 def test_tags_of_the_table_are_tags_of_the_playbook() -> None:
-    play = yaml.safe_load((ROOT / "ansible/provision.yml").read_text())[0]
-    tags = {tag for part in play["pre_tasks"] + play["roles"] for tag in part["tags"]}
+    tags = {tag for role in ROLES for tag in owns(role)["tags"]}
+    tags |= {tag for step in STEPS for tag in step["tags"]}
     for row in rows():
         for tag in words(row[2]):
             assert tag in tags, tag
 
 
 def test_what_the_roles_ask_for_is_what_the_table_promises() -> None:
-    asked = {name for names in steps().values() for name in names}
+    asked = {name for step in STEPS for name in step["checks"]}
     promised = {name for row in rows() for name in words(row[3])}
     assert asked == promised
 
 
 @pytest.mark.parametrize(("profile", "health"), [("solver",) * 2, ("edge",) * 2, ("lab", "full")])
 def test_every_check_of_a_profile_is_asked_for_once(profile: str, health: str) -> None:
-    asked = [name for step in profiles()[profile] for name in steps()[step]]
+    asked = [name for step in STEPS if profile in step["profiles"] for name in step["checks"]]
     assert sorted(asked) == sorted(check.name for check in checks.choose(profile=health))

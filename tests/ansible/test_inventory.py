@@ -11,6 +11,8 @@ from typing import Any
 
 from fleet_house import ANSIBLE, LOCAL, play, robot
 
+OWNED = {"files": ["/etc/nftables.conf", "/etc/docker/daemon.json"], "units": ["cron.service"]}
+
 
 def test_the_module_tells_what_is_on_the_disk(tmp_path: Path) -> None:
     system, root = tmp_path / "system", tmp_path / "opt"
@@ -40,7 +42,10 @@ def test_the_module_tells_what_is_on_the_disk(tmp_path: Path) -> None:
     next(made.folder.glob("*/lib/*/*/zope*/METADATA")).write_text("Name: zope.x\nVersion: 2.00\n")
     before = sorted((path, path.lstat().st_mtime_ns) for path in tmp_path.rglob("*"))
 
-    look = {"qrobot_inventory": {"root": str(root), "system": str(system)}, "register": "seen"}
+    look = {
+        "qrobot_inventory": {"root": str(root), "system": str(system), **OWNED},
+        "register": "seen",
+    }
     keep = {
         "ansible.builtin.copy": {
             "content": "{{ seen | to_json }}",
@@ -78,7 +83,7 @@ def test_the_module_tells_what_is_on_the_disk(tmp_path: Path) -> None:
 
 
 def test_the_module_reads_a_machine_that_was_never_provisioned(tmp_path: Path) -> None:
-    look = {"qrobot_inventory": {"root": f"{tmp_path}/no", "system": f"{tmp_path}/no"}}
+    look = {"qrobot_inventory": {"root": f"{tmp_path}/no", "system": f"{tmp_path}/no", **OWNED}}
     tasks = [
         {**look, "register": "seen"},
         {
@@ -91,15 +96,6 @@ def test_the_module_reads_a_machine_that_was_never_provisioned(tmp_path: Path) -
     done = play(tmp_path, tmp_path / "play.yml", {"a": LOCAL})
     assert done.returncode == 0, done.stdout + done.stderr
     assert not (tmp_path / "no").exists()
-
-
-def test_the_program_of_the_releases_is_managed_whole() -> None:
-    source = (ANSIBLE / "plugins/modules/qrobot_inventory.py").read_text()
-    start, end = source.index("PROGRAM ="), source.index("# What the roles base")
-    space: dict[str, Any] = {}
-    exec(source[start:end], space)
-    folder = ANSIBLE / "plugins/module_utils/qrobot_release"
-    assert sorted(space["PROGRAM"]) == sorted(path.stem for path in folder.glob("*.py"))
 
 
 def test_flavours_of_kernels() -> None:

@@ -8,75 +8,80 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_links import ANSIBLE, leaves, module_of, tasks
+from test_links import ANSIBLE, module_of, tasks
 
 yaml = pytest.importorskip("yaml")
 UNITS = sorted(ANSIBLE.glob("roles/*/templates/*.service.j2"))
-# Not held against other robots: secret, made while it provisions, or another one on every robot.
-OWN = ("/etc/qrobot/", "/run/", "/opt/qrobot/bin/uv")
-# What reset leaves, and why: its docs say so.
-STAYS = {
-    "/etc/default/prometheus-node-exporter": "without it node_exporter would listen on the network",
-    "/etc/docker/daemon.json": "Debian's package stays, with small logs and closed ports",
-}
+
+
+def owns(role: str) -> dict[str, Any]:
+    found: dict[str, Any] = yaml.safe_load((ANSIBLE / f"roles/{role}/vars/owns.yml").read_text())
+    return found[f"{role}_owns"]
+
+
+def owned(*keys: str) -> dict[str, str]:
+    """Return what the roles own, with the role."""
+    found = {}
+    for path in sorted(ANSIBLE.glob("roles/*/vars/owns.yml")):
+        role = path.parts[-3]
+        for key in keys:
+            found.update(dict.fromkeys(owns(role).get(key, []), role))
+    return found
 
 
 def written() -> Iterator[tuple[str, str]]:
-    """Every file that a task of the roles writes on the robot, with where it does."""
+    """Every file that a task of the roles writes on the robot, with the task's role."""
     for place, task in tasks():
         module, given = module_of(task)
         if module not in ("copy", "template") or task.get("delegate_to") or "roles/" not in place:
             continue
         for item in task.get("loop") if isinstance(task.get("loop"), list) else [None]:
             dest = given["dest"].replace("{{ item }}", str(item))
-            dest = dest.replace("{{ qrobot_root }}", "/opt/qrobot")
             if "src" in given and dest.endswith("/"):
                 continue  # of many files: the parts of qrobot-release have a test of their own
             if dest.startswith("/"):
-                yield dest, place
+                yield dest, place.split("/")[1]
 
 
-def managed() -> tuple[str, ...]:
-    source = (ANSIBLE / "plugins/modules/qrobot_inventory.py").read_text()
-    space: dict[str, Any] = {}
-    exec(source[source.index("PROGRAM =") : source.index("BOOT =")], space)
-    return tuple(space["MANAGED"])
-
-
-def test_every_file_that_a_role_writes_is_held_against_other_robots() -> None:
+def test_every_file_that_a_role_writes_is_its_own() -> None:
+    known = owned("files", "shared", "stays", "uncompared")
     found = dict(written())
     assert len(found) > 12
-    missing = {path: place for path, place in found.items()
-               if path not in managed() and not path.startswith(OWN)}  # fmt: skip
-    assert missing == {}
+    assert found == {path: known.get(path) for path in found}
 
 
-def test_every_file_that_a_role_writes_is_removed_by_reset() -> None:
-    """Or stays, for a reason."""
+def test_what_is_not_compared_is_secret_or_of_one_robot() -> None:
+    """Everything else that is written is held against the other robots."""
+    compared = owned("files", "shared", "stays")
+    rest = {path for path, _ in written() if path not in compared}
+    assert all(path.startswith("/etc/qrobot/") for path in rest)
+
+
+def test_reset_removes_what_the_roles_own_and_says_why_something_stays() -> None:
     steps = yaml.safe_load((ANSIBLE / "roles/reset/tasks/main.yml").read_text())
-    units = yaml.safe_load((ANSIBLE / "roles/reset/defaults/main.yml").read_text())["reset_units"]
-    removed = " ".join(text for step in steps for _, text in leaves(step))
-    removed += " ".join(f"'/etc/systemd/system/{unit}'" for unit in units)
-    removed += " '/etc/qrobot' '/opt/qrobot'"  # whole, by the names of their variables
-    for name in ("zram-generator.conf", "nftables.conf"):  # where they are ours
-        removed += f" '/etc/{name}' '/etc/systemd/{name}'" if name in removed else ""
-    for path, place in written():
-        gone = any(f"'{part}'" in removed for part in (path, *map(str, Path(path).parents)))
-        assert gone != (path in STAYS), (path, place)
+    removed = next(step for step in steps if step["name"] == "Remove files and folders")
+    assert removed["loop"] == "{{ reset_files + reset_ours.files | map(attribute='path') }}"
+    stays = owned("stays")
+    assert set(stays) == {"/etc/default/prometheus-node-exporter", "/etc/docker/daemon.json"}
+    for role in set(stays.values()):
+        assert all(len(reason.split()) > 3 for reason in owns(role)["stays"].values())
+
+
+def test_the_program_of_the_releases_is_owned_whole() -> None:
+    folder = ANSIBLE / "plugins/module_utils/qrobot_release"
+    files = {Path(path).name for path in owned("files") if "/qrobot_release/" in path}
+    assert files == {path.name for path in folder.glob("*.py")}
 
 
 def test_every_unit_that_a_role_starts_is_looked_at() -> None:
-    source = (ANSIBLE / "plugins/modules/qrobot_inventory.py").read_text()
-    space: dict[str, Any] = {}
-    exec(source[source.index("UNITS =") : source.index("def said")], space)
-    started = set()
+    started: dict[str, Any] = {}
     for place, task in tasks():
         module, given = module_of(task)
         if module == "systemd_service" and given.get("enabled") is True:
-            started.add(given["name"])
-        assert place
-    assert started
-    assert started <= set(space["UNITS"])
+            started[given["name"]] = place.split("/")[1]
+    assert len(started) > 5
+    units = owned("units")
+    assert started == {name: units.get(name) for name in started}
 
 
 @pytest.mark.parametrize("path", UNITS, ids=lambda path: path.name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -10,7 +11,9 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from fleet_house import LOCAL, play
 
+yaml = pytest.importorskip("yaml")
 PLAYBOOKS = Path(__file__).resolve().parents[2] / "ansible"
 STEPS = {
     "qiskit": "Step 5: Qiskit of the appendix",
@@ -37,14 +40,12 @@ def tasks() -> dict[str, set[str]]:
 
 
 def promised() -> list[str]:
-    """Tags that the head of the playbook names."""
-    head = (PLAYBOOKS / "provision.yml").read_text().split("- name:")[0]
-    text = " ".join(line.lstrip("# ") for line in head.splitlines())
-    listed = re.search(r"Tags: (.*?)\. docs", text)
-    assert listed
-    words = re.findall(r"\b[a-z]+\d*\b", listed[1].replace("step4 ... step11", ""))
-    plain = [word for word in words if word not in ("and", "for", "the", "paper", "s", "appendix")]
-    return plain + [f"step{number}" for number in range(3, 12)]
+    """Tags that the roles own, and the steps of the paper's appendix."""
+    owned: set[str] = set()
+    for path in PLAYBOOKS.glob("roles/*/vars/owns.yml"):
+        owns = yaml.safe_load(path.read_text())[f"{path.parts[-3]}_owns"]
+        owned.update(owns["tags"], *(step["tags"] for step in owns.get("steps", [])))
+    return sorted(owned | {f"step{number}" for number in range(1, 12)})
 
 
 def test_every_tag_that_is_promised_selects_tasks() -> None:
@@ -63,9 +64,35 @@ def test_a_robot_is_looked_at_whatever_the_tag() -> None:
     assert all("always" in tags for tags in looked)
 
 
+def steps_run(folder: Path, *options: str, profile: str = "lab", without: str = "") -> list[str]:
+    """Steps that the role stacks asks for, of a robot whose report has every check but one."""
+    owns = yaml.safe_load((PLAYBOOKS / "roles/stacks/vars/owns.yml").read_text())["stacks_owns"]
+    names = {name for step in owns["steps"] for name in step["checks"]} - {without}
+    checks = [{"name": name, "status": "pass"} for name in sorted(names)]
+    (folder / "r1.json").write_text(json.dumps({"checks": checks}))
+    variables = {"stacks_tags": "{{ lookup('qrobot_owns', 'selected_by', by_role=true).stacks }}"}
+    role = {"role": str(PLAYBOOKS / "roles/stacks"), "tags": "{{ stacks_tags }}"}
+    one = {"hosts": "all", "gather_facts": False, "vars": variables, "roles": [role]}
+    (folder / "play.yml").write_text(json.dumps([one]))
+    done = play(
+        folder, folder / "play.yml", {"robot": LOCAL}, *options, qrobot_profile=profile,
+        qrobot_reports=str(folder), qrobot_fetched=str(folder / "fetched"),
+        release_installed={"id": "r1"},
+    )  # fmt: skip
+    assert (done.returncode == 0) == (not without), done.stdout + done.stderr
+    assert f"robot: {without} did not pass; the report is " in done.stdout or not without
+    return re.findall(r"^TASK \[\S*stacks : ((?:Step|Planners).*)\]", done.stdout, re.MULTILINE)
+
+
 @pytest.mark.parametrize("tag", STEPS)
-def test_the_tag_of_a_stack_selects_its_step_only(tag: str) -> None:
-    steps = {f"stacks : {title}" for title in STEPS.values()}
-    assert steps <= set(tasks())
-    selected = {name for name in steps if tag in tasks()[name]}
-    assert selected == {f"stacks : {STEPS[tag]}"}
+def test_the_tag_of_a_stack_selects_its_step_only(tag: str, tmp_path: Path) -> None:
+    assert steps_run(tmp_path, "--tags", tag) == [STEPS[tag]]
+
+
+def test_a_profile_has_its_steps_and_a_check_that_did_not_pass_is_named(tmp_path: Path) -> None:
+    assert len(steps_run(tmp_path)) == 9
+    assert steps_run(tmp_path, "--tags", "stacks", profile="solver") == [
+        "Step 3: Python of the appendix", "Planners",
+    ]  # fmt: skip
+    assert steps_run(tmp_path, "--tags", "step10") == []
+    assert steps_run(tmp_path, "--tags", "qiskit", without="aer") == [STEPS["qiskit"]]

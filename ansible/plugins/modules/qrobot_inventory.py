@@ -19,6 +19,16 @@ options:
     description: Folder that stands for the file system's root.
     type: path
     default: /
+  files:
+    description: The files that the roles own.
+    type: list
+    elements: str
+    required: true
+  units:
+    description: The units that the roles own.
+    type: list
+    elements: str
+    required: true
   apt_seconds:
     description: How long apt may take to count what can be upgraded by its lists; 0 leaves it out.
     type: int
@@ -32,6 +42,8 @@ attributes:
 EXAMPLES = r"""
 - name: Look at the robot
   qrobot_inventory:
+    files: "{{ query('qrobot_owns', 'files', 'shared', 'stays') }}"
+    units: "{{ query('qrobot_owns', 'units') }}"
   register: seen
 """
 
@@ -54,38 +66,9 @@ from pathlib import Path
 from ansible.module_utils.basic import AnsibleModule
 from ansible.module_utils.qrobot_release import Releases, read
 
-# What the program qrobot-release consists of.
-PROGRAM = ("__init__", "environment", "files", "program", "releases", "state", "wheels")
-# What the roles base, runtime, hardening, metrics, health, jupyter, desktop and docker write.
-MANAGED = (
-    "/etc/apt/apt.conf.d/52qrobot-upgrades",
-    "/etc/default/prometheus-node-exporter",
-    "/etc/docker/daemon.json",
-    "/etc/nftables.conf",
-    "/etc/ssh/sshd_config.d/10-qrobot.conf",
-    "/etc/systemd/journald.conf.d/qrobot.conf",
-    "/etc/systemd/system.conf.d/qrobot-watchdog.conf",
-    "/etc/systemd/system/dphys-swapfile.service.d/qrobot.conf",
-    "/etc/systemd/system/qrobot-desktop.service",
-    "/etc/systemd/system/qrobot-health.service",
-    "/etc/systemd/system/qrobot-health.timer",
-    "/etc/systemd/system/qrobot-jupyter.service",
-    "/etc/systemd/zram-generator.conf",
-    *(f"/usr/local/lib/qrobot_release/{name}.py" for name in PROGRAM),
-    "/usr/local/sbin/qrobot-release",
-)
 BOOT = ("/boot/firmware", "/boot")
 # Every card has its own identity there.
 OWN = re.compile(rb"(?:root|resume|cloud-init\.\S+|ds)=")
-UNITS = (
-    "docker.service",
-    "nftables.service",
-    "prometheus-node-exporter.service",
-    "qrobot-desktop.service",
-    "qrobot-health.service",
-    "qrobot-health.timer",
-    "qrobot-jupyter.service",
-)
 
 
 def said(command, seconds):
@@ -145,10 +128,10 @@ def packages(current):
     return found, python
 
 
-def managed_files(system):
+def managed_files(system, names):
     """Hash of every managed file, None where it is not there."""
     found = {}
-    for name in MANAGED:
+    for name in names:
         try:
             content = (system / name[1:]).read_bytes()
         except OSError:
@@ -199,9 +182,9 @@ def reasons_to_reboot(system, kernel):
     return found
 
 
-def units():
+def units(names):
     """Enablement and state of the units of the playbooks that are there."""
-    show = ["systemctl", "show", "--property=Id,LoadState,UnitFileState,ActiveState", *UNITS]
+    show = ["systemctl", "show", "--property=Id,LoadState,UnitFileState,ActiveState", *names]
     found = {}
     for block in (said(show, 20) or "").split("\n\n"):
         unit = dict(line.split("=", 1) for line in block.splitlines() if "=" in line)
@@ -241,6 +224,8 @@ def main():
         argument_spec={
             "root": {"type": "path", "default": "/opt/qrobot"},
             "system": {"type": "path", "default": "/"},
+            "files": {"type": "list", "elements": "str", "required": True},
+            "units": {"type": "list", "elements": "str", "required": True},
             "apt_seconds": {"type": "int", "default": 30},
         },
         supports_check_mode=True,
@@ -253,7 +238,7 @@ def main():
     try:
         release = release_in_use(releases)
         installed, python = packages(releases.current) if release else ({}, None)
-        files = managed_files(system)
+        files = managed_files(system, module.params["files"])
     except OSError as error:
         module.fail_json(msg=f"{error.filename}: {error.strerror}")
     module.exit_json(
@@ -269,7 +254,7 @@ def main():
             "kernel": kernel,
             "firmware": firmware(),
             "files": files,
-            "units": units(),
+            "units": units(module.params["units"]),
             "reboot": reasons_to_reboot(system, kernel),
             "apt": upgradable(system, module.params["apt_seconds"]),
         },
