@@ -38,8 +38,10 @@ _list:
   elements: raw
 """
 
+from functools import cache
 from pathlib import Path
 
+from ansible.parsing.dataloader import DataLoader
 from ansible.plugins.lookup import LookupBase
 from ansible.template import trust_as_template
 
@@ -50,12 +52,7 @@ class LookupModule(LookupBase):
     def run(self, terms, variables=None, **kwargs):
         self.set_options(var_options=variables, direct=kwargs)
         where = self.get_option("where")
-        roles = {}
-        for path in sorted(ROLES.glob("*/vars/owns.yml")):
-            name = path.parts[-3]
-            variables = self._loader.load_from_file(str(path), trusted_as_template=True)
-            roles[name] = variables[f"{name}_owns"]
-        found = {}
+        roles, found = read(), {}
         for name, owns in roles.items():
             if where not in owns or self._is_on(owns[where]):
                 found[name] = [entry for key in terms for entry in self._entries(roles, name, key)]
@@ -72,6 +69,17 @@ class LookupModule(LookupBase):
             return selected_by(roles, name)
         value = self._templar.template(roles[name].get(key, []))
         return [value] if isinstance(value, str) else list(value)
+
+
+@cache
+def read():
+    """Return what each role owns, its templates unread."""
+    found = {}
+    for path in sorted(ROLES.glob("*/vars/owns.yml")):
+        name = path.parts[-3]
+        variables = DataLoader().load_from_file(str(path), trusted_as_template=True)
+        found[name] = variables[f"{name}_owns"]
+    return found
 
 
 def selected_by(roles, name):
