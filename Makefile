@@ -88,6 +88,7 @@ lint: $(stamp)-dev ## check the style, the types and the locks
 	$(bin)/ruff format --check $(wildcard $(source))
 	$(bin)/mypy
 	$(bin)/python locks/verify.py
+	$(bin)/python ansible/controller/check_roles.py
 	cd ansible && ../$(bin)/yamllint --strict . && PATH="$(abspath $(bin)):$$PATH" ../$(bin)/ansible-lint -q --nocolor
 	@if command -v shellcheck >/dev/null; then shellcheck $(shell-scripts); else echo 'no shellcheck here: shell scripts are not checked'; fi
 
