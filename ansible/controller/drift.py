@@ -60,7 +60,7 @@ def read(path: Path) -> list[dict[str, Any]]:
     except OSError as error:
         raise InputError(f"not readable ({error.strerror})", source=str(path), mend=mend) from None
     except ValueError:
-        raise InputError("is no JSON", source=str(path), mend=mend) from None
+        raise InputError("is not JSON", source=str(path), mend=mend) from None
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
         raise InputError(f"is not {SCHEMA}", source=str(path), field="schema", mend=mend)
     robots = document.get("robots")

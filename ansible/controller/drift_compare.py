@@ -12,9 +12,9 @@ from lock import pins
 from packaging.version import InvalidVersion, Version
 
 from qrobot import __version__
+from qrobot._text import count
 from qrobot.errors import InputError
 from qrobot.health.reports import Column
-from qrobot.health.reports.table import count
 
 LOCKS = {"solver": "solver.txt", "edge": "edge.txt", "lab": "full.txt"}
 ARCH = {"aarch64": "arm64", "x86_64": "amd64"}
@@ -170,7 +170,7 @@ def _version(text: str) -> Version | str:
 
 
 def _notes(seen: dict[str, Any]) -> list[str]:
-    """Say what asks for attention and is no drift."""
+    """Say what asks for attention but does not count as drift."""
     notes = [f"restart: {reason}" for reason in seen["reboot"]]
     apt = seen["apt"]
     if apt and apt["upgradable"]:

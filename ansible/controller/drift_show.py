@@ -2,50 +2,41 @@
 
 from __future__ import annotations
 
-from html import escape
+from pathlib import Path
 from typing import Any
 
-from qrobot.health.reports import Table
-from qrobot.health.reports.page import frame, html_table
-from qrobot.health.reports.table import count
+from qrobot._text import Table, columns, count
+from qrobot.pages import render
 
 __all__ = ["page", "table"]
 
 HEADS = ("robot", "state", "profile", "release in use", "packages", "differs", "notes")
-# Words that the pages of this house colour.
-BADGE = {"same": "good", "drift": "fault", "unreachable": "absent"}
 
 
 def page(document: dict[str, Any]) -> str:
     """Return the page: what is the matter, a table of the robots, then all of it."""
-    parts = [
-        "<h1>Drift of the fleet</h1>",
-        f'<p class="soft"><time datetime="{escape(document["made"])}">{_when(document)} UTC</time>'
-        f", held against qRobot {escape(document['version'])}</p>",
-        f'<p class="verdict">{escape(headline(document))}</p>',
-    ]
-    lines = [(robot["name"], line) for robot in document["robots"] for line in sentences(robot)]
-    if lines:
-        items = "\n".join(f"<li><b>{escape(name)}</b> {escape(line)}</li>" for name, line in lines)
-        parts.append(f'<h2>What is the matter</h2>\n<ul class="notes">\n{items}\n</ul>')
-    rows = tuple((row[0], BADGE[row[1]], *row[2:]) for row in _rows(document))
-    robots = Table("Robots", HEADS, rows, frozenset({4, 5, 6}), 1)
-    parts += ["<h2>Robots</h2>", html_table(robots)]
-    if document["differences"]:
-        parts += ["<h2>Not the same everywhere</h2>", html_table(_differences(document))]
-    for robot in document["robots"]:
-        if rows := _packages(robot):
-            head = ("package", "", "on the robot", "in the lock")
-            parts.append(f"<h2>Packages of {escape(robot['name'])}</h2>")
-            parts.append(html_table(Table(f"Packages of {robot['name']}", head, rows)))
-    return frame("Drift of the fleet", "\n".join(parts))
+    heads = ("package", "", "on the robot", "in the lock")
+    return render(
+        Path(__file__).with_name("drift.html"),
+        document=document,
+        when=str(document["made"])[:16].replace("T", " "),
+        headline=headline(document),
+        lines=[
+            ("", robot["name"], line) for robot in document["robots"] for line in sentences(robot)
+        ],
+        robots=Table("Robots", HEADS, tuple(_rows(document)), frozenset({4, 5, 6}), 1),
+        differences=_differences(document),
+        packages=[
+            Table(f"Packages of {robot['name']}", heads, rows)
+            for robot in document["robots"]
+            if (rows := _packages(robot))
+        ],
+    )
 
 
 def table(document: dict[str, Any]) -> str:
     """Return the same for a terminal; the last line is the summary."""
-    rows = [HEADS, *_rows(document)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    lines = [columns(HEADS, _rows(document), ruled=False)]
     for robot in document["robots"]:
         lines += [f"{robot['name']}: {line}" for line in sentences(robot)]
     return "\n".join([*lines, headline(document)])
@@ -68,10 +59,6 @@ def sentences(robot: dict[str, Any]) -> list[str]:
         most = f"most {who} have {odd['majority']}" if odd["majority"] else f"no majority {who}"
         lines.append(f"{odd['kind']} {odd['name']}: {odd['has']}, {most}")
     return lines + robot["notes"]
-
-
-def _when(document: dict[str, Any]) -> str:
-    return str(document["made"])[:16].replace("T", " ")
 
 
 def _rows(document: dict[str, Any]) -> list[tuple[str, ...]]:

@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from qrobot._text import columns
 from qrobot.health.check import Check, difference
 
 __all__ = ["VERDICT", "Table", "draw", "table", "verdict"]
@@ -34,15 +35,8 @@ class Table:
         ]
 
     def __str__(self) -> str:
-        lines = [self.heads, *self.cells]
-        widths = [max(len(line[k]) for line in lines) for k in range(len(self.heads))]
-        return "\n".join(
-            "  ".join(
-                cell.rjust(width) if right else cell.ljust(width)
-                for cell, width, right in zip(line, widths, self.right, strict=True)
-            ).rstrip()
-            for line in lines
-        )
+        numbers = frozenset(k for k, right in enumerate(self.right) if right)
+        return columns(self.heads, self.cells, numbers, ruled=False)
 
     __repr__ = __str__  # what a terminal shows of an executed notebook
 

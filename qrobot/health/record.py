@@ -11,10 +11,10 @@ from functools import cache
 from typing import Any
 
 from qrobot._files import StrPath, read_text
+from qrobot._text import printable
 from qrobot._version import __version__
 from qrobot.errors import InputError
 from qrobot.health.model import SCHEMA, CheckResult, Finding, Report
-from qrobot.health.plain import plain
 from qrobot.health.system import Machine, board_model
 
 __all__ = ["Clockwork", "make_report", "read_report"]
@@ -113,7 +113,7 @@ def read_report(path: StrPath) -> Report:
         raise InputError(
             first["msg"][:1].lower() + first["msg"][1:],
             source=source,
-            field=plain(".".join(map(str, first["loc"]))) or None,
+            field=printable(".".join(map(str, first["loc"]))) or None,
             mend=MEND,
         ) from None
     try:

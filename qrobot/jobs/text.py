@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+from qrobot._text import columns
 from qrobot.jobs.job import RemoteJob
 
 if TYPE_CHECKING:
@@ -17,7 +18,8 @@ def jobs_table(jobs: list[RemoteJob]) -> str:
     """Return jobs as aligned text."""
     if not jobs:
         return "no jobs"
-    rows = [("job", "backend", "device", "state", "submitted", "variables", "estimate", "problem")]
+    heads = ("job", "backend", "device", "state", "submitted", "variables", "estimate", "problem")
+    rows = []
     for job in jobs:
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(job.submitted))
         usd = "" if job.estimate.usd is None else f"{job.estimate.usd:.4g} USD"
@@ -27,13 +29,7 @@ def jobs_table(jobs: list[RemoteJob]) -> str:
         rows.append(
             (job.id, job.backend, job.device, job.state, when, str(job.variables), usd, note)
         )
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
-    return "\n".join(
-        "  ".join(
-            [*(cell.ljust(w) for cell, w in zip(row, widths, strict=False)), row[-1]]
-        ).rstrip()
-        for row in rows
-    )
+    return columns(heads, rows, ruled=False)
 
 
 def samples_report(job: RemoteJob, samples: dimod.SampleSet) -> dict[str, Any]:

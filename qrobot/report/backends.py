@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from qrobot._text import columns
 from qrobot.backends import available, get, names, registry
 from qrobot.errors import QRobotError
-from qrobot.report.text import columns
 
 __all__ = ["backend_rows", "backend_table"]
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from qrobot._numbers import number
+from qrobot._text import shown
 from qrobot.problem import DistanceTable, OpenFloor, Warehouse
 from qrobot.report.canvas import Canvas
 from qrobot.report.labels import placed, spread
@@ -15,7 +16,6 @@ from qrobot.report.lanes import XY, Lanes, Line
 from qrobot.report.legend import GREY
 from qrobot.report.maps import POINTS, Look, Map
 from qrobot.report.scene import Journey, Scene
-from qrobot.report.text import shown
 from qrobot.report.texts import text_width
 
 __all__ = ["draw_floor"]

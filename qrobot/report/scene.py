@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 from qrobot._files import StrPath
 from qrobot._numbers import number
+from qrobot._text import count, shown
 from qrobot.errors import InputError
 from qrobot.plan import Plan, Trip, plan_of
 from qrobot.problem import AisleWarehouse, Instance, Item, OpenFloor
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
-from qrobot.report.text import shown
 
 if TYPE_CHECKING:
     from qrobot.planning import Result
@@ -171,11 +171,7 @@ def _unit(instance: Instance) -> str:
 
 
 def _subtitle(plan: Plan, instance: Instance) -> str:
-    orders = f" in {_count(len(instance.orders), 'order')}" if instance.whole_orders else ""
-    robots = f"{plan.robots_used} of {_count(len(instance.robots), 'robot')} used"
+    orders = f" in {count(len(instance.orders), 'order')}" if instance.whole_orders else ""
+    robots = f"{plan.robots_used} of {count(len(instance.robots), 'robot')} used"
     trips = f", {len(plan.trips)} trips" if len(plan.trips) > plan.robots_used else ""
-    return f"{_count(instance.size, 'item')}{orders}, {robots}{trips}"
-
-
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}" if n == 1 else f"{n} {what}s"
+    return f"{count(instance.size, 'item')}{orders}, {robots}{trips}"

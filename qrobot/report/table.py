@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from qrobot._numbers import number
-from qrobot.report.text import columns
+from qrobot._text import columns
 
 if TYPE_CHECKING:
     from qrobot.planning import Result

@@ -10,7 +10,7 @@ import pytest
 from health import samples
 
 from qrobot.health import Report
-from qrobot.health.reports import Fleet, fleet, fleet_html
+from qrobot.health.reports import FleetHealth, fleet, fleet_html
 
 
 def fifty() -> list[Report]:
@@ -19,7 +19,7 @@ def fifty() -> list[Report]:
     return machines
 
 
-def columns(found: Fleet) -> dict[tuple[str, str], dict[str, list[str]]]:
+def columns(found: FleetHealth) -> dict[tuple[str, str], dict[str, list[str]]]:
     return {(c.kind, c.name): c.different for c in found.columns}
 
 

@@ -11,7 +11,7 @@ from health import samples
 from health.samples import BROKEN, MIXED, STRANGE
 
 from qrobot.health.reports import compare, fleet, fleet_html, html
-from qrobot.health.reports.charts import Bar, bars
+from qrobot.pages import Bar, bars
 
 
 class Reader(HTMLParser):

@@ -12,8 +12,8 @@ from health import samples
 from health.commands import code_of
 from health.samples import STRANGE
 
+from qrobot._text import printable
 from qrobot.cli.health.show import show_comparison, show_fleet, show_report
-from qrobot.health.plain import plain
 from qrobot.health.reports import compare, fleet
 
 OTHER = replace(
@@ -45,7 +45,7 @@ def test_a_cell_is_one_line() -> None:
 
 def test_what_people_write_stays() -> None:
     words = "Zürich 東京 Ω 51.6 °C × ½ “x” 😀"
-    assert plain(words) == words
+    assert printable(words) == words
 
 
 @pytest.mark.parametrize("words", [["merge"], ["compare", "SELF"]])

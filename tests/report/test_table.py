@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 import qrobot
+from qrobot._text import columns, shortened
 from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
 from qrobot.report import table
-from qrobot.report.text import columns, shortened
 
 
 def test_every_trip_and_stop_is_listed() -> None:

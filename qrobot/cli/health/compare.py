@@ -21,8 +21,8 @@ def compare_(before: str, after: str, strict: bool, as_json: bool) -> None:
     """Show what drifted from one report to another.
 
     Exit code 0: nothing got worse, 1: a check did or a fact of the machine became a fault, 2: a
-    file is no report. Times, memory and what is another at every moment, such as a temperature,
-    are no drift.
+    file is not a report. Times, memory and what is another at every moment, such as a temperature,
+    do not count as drift.
 
     \b
     Examples:

@@ -14,7 +14,7 @@ __all__ = ["listing"]
 
 def listing(checks: list[Check], as_json: bool) -> str:
     """Return the checks as a table or as JSON; none is run."""
-    from qrobot.report.text import columns
+    from qrobot._text import columns
 
     if as_json:
         rows: list[dict[str, Any]] = [

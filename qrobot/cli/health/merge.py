@@ -20,7 +20,7 @@ def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
     """Show which machine of a fleet differs, and in what.
 
     FILES are reports that qrobot health --output wrote, one a machine; of several of one machine
-    the newest counts. Exit code 0: all machines are healthy, 1: one is not, 2: a file is no
+    the newest counts. Exit code 0: all machines are healthy, 1: one is not, 2: a file is not a
     report or the page cannot be written.
 
     \b

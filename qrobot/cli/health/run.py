@@ -1,4 +1,4 @@
-"""``qrobot health NAMES...``: runs the checks, and writes every face of what they found."""
+"""``qrobot health NAMES...``: runs the checks, and writes what they found in every format."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def run(
 
     Exit code 0: healthy, 1: a check failed, the machine has a fault, or something got worse
     since --compare, 2: bad input, or a report or notebook could not be written. Times, memory
-    and what is another at every moment, such as a temperature, are no drift.
+    and what is another at every moment, such as a temperature, do not count as drift.
 
     \b
     Examples:
@@ -124,10 +124,10 @@ def run(
         )
     # All that can be refused is refused now: the checks take minutes.
     before = read_report(baseline) if baseline else None
-    faces = [path for path in (junit_path, html_path, prometheus) if path]
-    check_outputs([*faces, *([output] if output else [])])
+    others = [path for path in (junit_path, html_path, prometheus) if path]
+    check_outputs([*others, *([output] if output else [])])
     if baseline:
-        check_outputs(faces, [baseline])  # which --output alone may replace
+        check_outputs(others, [baseline])  # which --output alone may replace
     if notebooks:
         from qrobot.health.notebooks import prepare
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from qrobot._text import Table, columns, printable
+
 if TYPE_CHECKING:
     from qrobot.health import Finding, Report
-    from qrobot.health.reports import Comparison, Fleet, Table
+    from qrobot.health.reports import Comparison, FleetHealth
 
 __all__ = ["show_comparison", "show_fleet", "show_report"]
 
@@ -38,7 +40,7 @@ def show_comparison(comparison: Comparison) -> str:
     return "\n".join([*lines, *_lines([comparison.headline()])])
 
 
-def show_fleet(fleet: Fleet) -> str:
+def show_fleet(fleet: FleetHealth) -> str:
     """Return the machines as a table, and what differs in sentences."""
     few = len(fleet.columns) <= COLUMNS
     lines = [_text(fleet.table(None if few else []))]
@@ -48,19 +50,15 @@ def show_fleet(fleet: Fleet) -> str:
 
 
 def _text(table: Table) -> str:
-    from qrobot.report.text import columns
-
     return columns(_lines(table.heads), [_lines(row) for row in table.rows], table.numbers)
 
 
 def _lines(texts: Iterable[str]) -> list[str]:
     """Return each text as one line that a terminal only shows."""
-    from qrobot.health.plain import plain
-
-    return [plain(text) for text in texts]
+    return [printable(text) for text in texts]
 
 
 def _sentence(finding: Finding) -> str:
-    plain = finding.value is None or isinstance(finding.value, bool)
-    value = "" if plain else f" {finding.text()}"
+    said = finding.value is None or isinstance(finding.value, bool)  # by the status already
+    value = "" if said else f" {finding.text()}"
     return f"{finding.status}: {finding.title}{value}: {finding.message}"

@@ -1,14 +1,12 @@
-"""The faces of a report: tables, JUnit XML, a page, metrics; and reports beside each other."""
+"""A report as tables, JUnit XML, a page, metrics; and reports beside each other."""
 
 from qrobot.health.reports.compare import Change, Comparison, compare
-from qrobot.health.reports.fleet import Column, Fleet, fleet
-from qrobot.health.reports.fleet_html import fleet_html
-from qrobot.health.reports.html import html
+from qrobot.health.reports.fleet import Column, FleetHealth, fleet
 from qrobot.health.reports.junit import junit
+from qrobot.health.reports.pages import fleet_html, html
 from qrobot.health.reports.prometheus import metrics, write_prometheus
 from qrobot.health.reports.save import as_json, document, save
-from qrobot.health.reports.table import (
-    Table,
+from qrobot.health.reports.summary import (
     attention,
     checks_table,
     machine_line,
@@ -20,8 +18,7 @@ __all__ = [
     "Change",
     "Column",
     "Comparison",
-    "Fleet",
-    "Table",
+    "FleetHealth",
     "as_json",
     "attention",
     "checks_table",

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from qrobot._text import Table, count
 from qrobot.health.model import CheckResult, Report
-from qrobot.health.reports.facts import facts
-from qrobot.health.reports.table import Table, count, when
+from qrobot.health.reports.summary import facts, when
 
 __all__ = ["Change", "Comparison", "compare"]
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import re
+import statistics
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from functools import cached_property
 from typing import Any
 
+from qrobot._text import Table, count
 from qrobot.health.model import Report
-from qrobot.health.reports.facts import facts
-from qrobot.health.reports.machines import newest
-from qrobot.health.reports.pace import paces
-from qrobot.health.reports.table import Table, count, totals_line, when
+from qrobot.health.reports.summary import facts, seconds, totals_line, when
 
-__all__ = ["Column", "Fleet", "fleet"]
+__all__ = ["Column", "FleetHealth", "fleet"]
+
+SLOW, SECONDS = 2.0, 0.5
+"""A check is named slow from this factor of the fleet's median, and so many seconds above it."""
 
 NOT_ASKED = None
 """The value of a machine on which this was not looked at."""
@@ -62,7 +66,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Fleet:
+class FleetHealth:
     """The machines and their differences.
 
     Parameters
@@ -190,11 +194,11 @@ class Fleet:
         }
 
 
-def fleet(reports: Sequence[Report]) -> Fleet:
+def fleet(reports: Sequence[Report]) -> FleetHealth:
     """Return the view of many machines; of several reports of one machine the newest counts."""
-    machines, notes = newest(reports)
-    pace, slow = paces(machines)
-    return Fleet(machines, tuple(_columns(machines)), pace, slow, tuple(notes))
+    machines, notes = _newest(reports)
+    pace, slow = _paces(machines)
+    return FleetHealth(machines, tuple(_columns(machines)), pace, slow, tuple(notes))
 
 
 def _columns(machines: dict[str, Report]) -> list[Column]:
@@ -226,3 +230,95 @@ def _versions(report: Report, machines: dict[str, Report]) -> dict[str, str]:
             if check.name in looked:
                 found |= dict.fromkeys(check.versions.keys() - found.keys(), "-")
     return found | report.versions
+
+
+def _newest(reports: Sequence[Report]) -> tuple[dict[str, Report], list[str]]:
+    """Return the newest report of every machine, and what there is to say about it.
+
+    A machine is its name and its id. Where it has no id, its architecture and board stand in for
+    it, and it is said that they may be those of several machines.
+
+    Returns
+    -------
+    machines
+        Name to report, in the sequence of the names; no two machines share one.
+    notes
+        One sentence each.
+    """
+    found: dict[tuple[str, str], Report] = {}
+    many: Counter[tuple[str, str]] = Counter()
+    for report in reports:
+        key = (report.host, _identity(report))
+        many[key] += 1
+        if key not in found or _made(report) >= _made(found[key]):
+            found[key] = report
+    notes = []
+    for key, times in many.items():
+        if times > 1:
+            notes.append(f"{key[0]}: {times} reports, the newest ({found[key].made}) counts")
+            if not found[key].machine_id:
+                notes.append(
+                    f"{key[0]} has no machine id: reports of several machines of this name cannot "
+                    "be told apart"
+                )
+    hosts = Counter(host for host, _ in found)
+    for host, so_many in hosts.items():
+        if so_many > 1:
+            notes.append(f"{host}: {so_many} machines have this name; give each its own")
+    named: dict[str, Report] = {}
+    for (host, identity), report in found.items():
+        short = identity[:6] if report.machine_id else identity
+        name = host if hosts[host] == 1 else f"{host} ({short})"
+        if name in named:  # ids that begin alike
+            name = f"{host} ({identity})"
+        named[name] = report
+    return {name: named[name] for name in sorted(named, key=_natural)}, notes
+
+
+def _identity(report: Report) -> str:
+    if report.machine_id:
+        return report.machine_id
+    return ", ".join(filter(None, ("no id", report.machine, report.model)))
+
+
+def _made(report: Report) -> datetime:
+    return datetime.fromisoformat(report.made)
+
+
+def _natural(name: str) -> list[tuple[int, str]]:
+    """Return a key that sorts pi-9 before pi-10; numbers of any length are compared as text."""
+    parts = re.split(r"([0-9]+)", name)
+    parts[1::2] = [digits.lstrip("0") for digits in parts[1::2]]
+    return [(len(part) if k % 2 else -1, part) for k, part in enumerate(parts)]
+
+
+def _paces(
+    machines: dict[str, Report],
+) -> tuple[dict[str, float | None], dict[str, dict[str, float]]]:
+    """Return the pace of each machine, and its slow checks.
+
+    Returns
+    -------
+    pace
+        Machine to the median, over its checks, of its time over the fleet's median; None for a
+        machine whose checks passed nowhere else.
+    slow
+        Machine to its slow checks, with the factor.
+    """
+    times: dict[str, dict[str, float]] = {}
+    for name, report in machines.items():
+        for check in report.checks:
+            if (took := seconds(check)) is not None and took > 0:
+                times.setdefault(check.name, {})[name] = took
+    ratios: dict[str, list[float]] = {name: [] for name in machines}
+    slow: dict[str, dict[str, float]] = {name: {} for name in machines}
+    for check_name, row in times.items():
+        if len(row) < 2:
+            continue
+        middle = statistics.median(row.values())
+        for name, took in row.items():
+            ratios[name].append(took / middle)
+            if took > SLOW * middle and took - middle > SECONDS:
+                slow[name][check_name] = round(took / middle, 2)
+    pace = {name: round(statistics.median(r), 3) if r else None for name, r in ratios.items()}
+    return pace, slow

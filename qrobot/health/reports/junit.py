@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from qrobot.health.model import CheckResult, Finding, Report
-from qrobot.health.reports.table import totals_line
+from qrobot.health.reports.summary import totals_line
 
 __all__ = ["junit"]
 

@@ -1,4 +1,4 @@
-"""Writes the faces of one report; one that cannot be written does not keep back the others."""
+"""Writes one report in its formats; one that cannot be written does not keep back the others."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.health.model import Report
 from qrobot.health.reports.compare import Comparison
-from qrobot.health.reports.html import html
 from qrobot.health.reports.junit import junit
+from qrobot.health.reports.pages import html
 from qrobot.health.reports.prometheus import write_prometheus
 
 __all__ = ["as_json", "save"]
@@ -39,21 +39,21 @@ def save(
     html_path: StrPath | None = None,
     prometheus: StrPath | None = None,
 ) -> list[InputError]:
-    """Write every face that has a path, each whole or not at all.
+    """Write every format that has a path, each whole or not at all.
 
     Returns
     -------
     list of InputError
         One for each that could not be written: what stood there before is untouched.
     """
-    faces: list[tuple[StrPath | None, Callable[[StrPath], None]]] = [
+    formats: list[tuple[StrPath | None, Callable[[StrPath], None]]] = [
         (output, lambda path: write_text_atomic(path, as_json(report, comparison) + "\n")),
         (junit_path, lambda path: write_text_atomic(path, junit(report))),
         (html_path, lambda path: write_text_atomic(path, html(report, comparison))),
         (prometheus, lambda path: write_prometheus(path, report)),
     ]
     troubles = []
-    for path, write in faces:
+    for path, write in formats:
         if path is not None:
             try:
                 write(path)

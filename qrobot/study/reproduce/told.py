@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from qrobot.report.text import columns
+from qrobot._text import columns
 from qrobot.study.reproduce.outcome import Line
 
 __all__ = ["figure_text", "line_text", "place_text", "summary"]

@@ -1,48 +1,22 @@
-"""A report as tables and sentences: what the terminal and the page have in common."""
+"""One report as tables, sentences and facts: what the terminal and the page have in common."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 
+from qrobot._text import Table, count
 from qrobot.health.model import CheckResult, Finding, Report
 
 __all__ = [
-    "Table",
     "attention",
     "checks_table",
-    "count",
+    "facts",
     "machine_line",
+    "seconds",
     "system_table",
     "totals_line",
     "when",
 ]
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows of text under heads.
-
-    Parameters
-    ----------
-    caption
-        What it shows.
-    heads, rows
-        As many cells in a row as heads; the first one names the row.
-    numbers
-        Columns that are set to the right.
-    status
-        The column that holds a status, which a page colours; None without one.
-    odd
-        Cells (row, column) that a page points out.
-    """
-
-    caption: str
-    heads: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    numbers: frozenset[int] = frozenset()
-    status: int | None = None
-    odd: frozenset[tuple[int, int]] = frozenset()
 
 
 def checks_table(report: Report) -> Table:
@@ -115,9 +89,29 @@ def when(report: Report) -> str:
     return f"{datetime.fromisoformat(report.made).astimezone(UTC):%Y-%m-%d %H:%M}"
 
 
-def count(number: int, thing: str) -> str:
-    """Return so many things."""
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+def facts(report: Report) -> dict[str, str]:
+    """Return the steady facts of a machine as text; what could not be told is left out."""
+    found = {"architecture": report.machine, "python": report.python}
+    if report.model:
+        found["board"] = report.model
+    for finding in report.system:
+        if finding.steady and finding.value is not None:
+            found[finding.name] = _text(finding)
+    return found
+
+
+def _text(finding: Finding) -> str:
+    if finding.name == "memory" and isinstance(finding.value, int):
+        # The kernel keeps some MiB for itself, and more or less of it with every version.
+        return f"{finding.value / 1024:.1f} GiB"
+    return finding.text()
+
+
+def seconds(check: CheckResult) -> float | None:
+    """Return what a check that passed took, import and computation."""
+    if check.status != "pass" or check.run_seconds is None:
+        return None
+    return (check.import_seconds or 0.0) + check.run_seconds
 
 
 def first_version(versions: dict[str, str]) -> str:
