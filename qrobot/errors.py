@@ -26,6 +26,8 @@ __all__ = [
     "RemoteError",
 ]
 
+INSTALL = "pip install 'qrobot[{}]'"
+
 
 class QRobotError(Exception):
     """Base of every error that qRobot raises on purpose."""
@@ -114,8 +116,7 @@ class MissingExtraError(BackendError, ImportError):
         self.what = what
         self.extra = extra
         super().__init__(
-            f"{what} needs software that is not installed; "
-            f"install it with: pip install 'qrobot[{extra}]'"
+            f"{what} needs software that is not installed; install it with: {INSTALL.format(extra)}"
         )
 
 

@@ -16,10 +16,11 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from types import FrameType
 
 from check_inventory import check
 from common import ROOT, run, say
+
+from qrobot._processes import catch_signals
 
 FOLDER = ROOT / "ansible"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.yml"))
@@ -57,15 +58,14 @@ def ended(command: list[str]) -> int:
     """Run a command to its end, hand on what ends it, and return its exit code."""
     child: subprocess.Popen[bytes] | None = None
 
-    def hand_on(number: int, _: FrameType | None) -> None:
+    def hand_on(number: int) -> None:
         # The terminal sends Ctrl-C to the child too.
         if child is not None and number != signal.SIGINT:
             child.send_signal(number)
 
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, hand_on)
-    child = subprocess.Popen(command)
-    code = child.wait()
+    with catch_signals(hand_on, "SIGINT", "SIGTERM", "SIGHUP"):
+        child = subprocess.Popen(command)
+        code = child.wait()
     return code if code >= 0 else 128 - code
 
 

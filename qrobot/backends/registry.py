@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
-import importlib.util
 from typing import TYPE_CHECKING, cast
 
+from qrobot._extras import extra_of, is_installed, missing
 from qrobot._parameters import near
 from qrobot.backends.base import Capabilities, Planner
-from qrobot.errors import InputError, MissingExtraError
+from qrobot.errors import InputError
 
 if TYPE_CHECKING:
     from qrobot.backends.sampler import PickingSampler
@@ -48,21 +48,6 @@ BUILTIN: dict[str, tuple[str, str, str]] = {
 }
 """In order of preference."""
 
-EXTRAS = {
-    "pyvrp": "planners",
-    "pyvrp-plain": "planners",
-    "qiskit-qaoa": "qiskit",
-    "qiskit-vqe": "qiskit",
-    "pennylane-qaoa": "pennylane",
-    "pennylane-vqe": "pennylane",
-    "braket-qaoa": "braket",
-    "braket-vqe": "braket",
-    "dwave-qpu": "dwave",
-    "leap-bqm": "dwave",
-    "leap-cqm": "dwave",
-    "leap-nl": "dwave",
-}
-
 
 def _plugins() -> dict[str, importlib.metadata.EntryPoint]:
     return {e.name: e for e in importlib.metadata.entry_points(group=GROUP)}
@@ -77,11 +62,7 @@ def available(name: str) -> bool:
     """Return whether a backend's software is installed, without importing it."""
     if name not in BUILTIN:
         return name in _plugins()
-    needed = BUILTIN[name][2]
-    try:
-        return importlib.util.find_spec(needed) is not None
-    except ModuleNotFoundError:
-        return False
+    return is_installed(BUILTIN[name][2])
 
 
 def require(name: str) -> None:
@@ -93,7 +74,7 @@ def require(name: str) -> None:
         With the command that installs it.
     """
     if name in BUILTIN and not available(name):
-        raise MissingExtraError(f"backend {name}", EXTRAS.get(name, "solver"))
+        raise missing(f"backend {name}", BUILTIN[name][2])
 
 
 def get(name: str) -> Planner | PickingSampler:
@@ -122,3 +103,8 @@ def get(name: str) -> Planner | PickingSampler:
 def capabilities(name: str) -> Capabilities:
     """Return what a backend declares about itself."""
     return get(name).capabilities
+
+
+def extra_for(name: str) -> str | None:
+    """Return the extra that installs a backend of ours; None: the base does."""
+    return extra_of(BUILTIN[name][2]) if name in BUILTIN else None

@@ -84,12 +84,9 @@ def command(
         raise click.UsageError("name the file to write: OUTPUT, --circuit FILE, or both")
     if output is not None and output.lower().endswith(".lp"):
         # Before the models, which import dimod: what is absent is told at once.
-        from qrobot.errors import MissingExtraError
+        from qrobot._extras import load
 
-        try:
-            import docplex  # noqa: F401
-        except ImportError:
-            raise MissingExtraError("an LP file", "docplex") from None
+        load("docplex", "an LP file")
 
     from qrobot.problem.formats import read
     from qrobot.report.outputs import check_outputs

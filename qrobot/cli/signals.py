@@ -1,64 +1,28 @@
-"""Ctrl-C, a polite kill and a lost connection end the search, not the program."""
+"""Ctrl-C, a polite kill and a lost connection end the work, not the program."""
 
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING
 
-from qrobot.backends import Stop
+from qrobot._processes import catch_signals
 
-__all__ = ["stop_on_signals", "terminate_as_interrupt"]
+if TYPE_CHECKING:
+    from qrobot.backends import Stop
 
-HANGUP = getattr(signal, "SIGHUP", None)
-"""Comes when the terminal or the SSH connection is gone; Windows has none."""
-
-
-def _usual() -> dict[int, Any]:
-    """Return the handlers of the signals that end a search.
-
-    ``nohup`` ignores the hangup, and that stays. A shell's background jobs start with Ctrl-C
-    ignored; `kill -INT` must still reach them.
-    """
-    found: dict[int, Any] = {
-        number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)
-    }
-    if HANGUP is not None and (handler := signal.getsignal(HANGUP)) != signal.SIG_IGN:
-        found[HANGUP] = handler
-    return found
-
-
-@contextmanager
-def _handled(
-    usual: dict[int, Any], handler: Callable[[int, FrameType | None], None]
-) -> Iterator[None]:
-    for number in usual:
-        signal.signal(number, handler)
-    try:
-        yield
-    finally:
-        for number, before in usual.items():
-            signal.signal(number, before)
+__all__ = ["exit_on_signals", "stop_on_signals", "terminate_as_interrupt"]
 
 
 @contextmanager
 def stop_on_signals() -> Iterator[Stop]:
-    """Give a stop that the first SIGINT, SIGTERM or SIGHUP requests; a second one kills as usual.
+    """Give a stop that the first SIGINT, SIGTERM or SIGHUP requests; the next kills as usual."""
+    from qrobot.backends import Stop
 
-    Except the hangup: the kernel, the shell and systemd each send one for the same lost
-    connection.
-    """
     stop = Stop()
-    usual = _usual()
-
-    def request(number: int, _frame: FrameType | None) -> None:
-        if number != HANGUP:
-            signal.signal(number, usual[number])
-        stop.request()
-
-    with _handled(usual, request):
+    with catch_signals(lambda _: stop.request(), "SIGINT", "SIGTERM", "SIGHUP", second="restore"):
         yield stop
 
 
@@ -71,11 +35,26 @@ def terminate_as_interrupt() -> Iterator[Callable[[], bool]]:
     """
     came = False
 
-    def interrupt(number: int, _frame: FrameType | None) -> None:
+    def interrupt(number: int) -> None:
         nonlocal came
         again, came = came, True
-        if not (again and number == HANGUP):  # which comes more than once
+        if not (again and number == signal.SIGHUP):  # which comes more than once
             raise KeyboardInterrupt
 
-    with _handled(_usual(), interrupt):
+    with catch_signals(interrupt, "SIGINT", "SIGTERM", "SIGHUP"):
         yield lambda: came
+
+
+@contextmanager
+def exit_on_signals() -> Iterator[None]:
+    """Let SIGTERM (systemd, docker, timeout) and SIGHUP (a closed ssh) raise `SystemExit`.
+
+    The code is the shell's, 128 and the number. Tidying up takes seconds, so a second signal
+    changes nothing until it is done.
+    """
+
+    def leave(number: int) -> None:
+        sys.exit(128 + number)
+
+    with catch_signals(leave, "SIGTERM", "SIGHUP", second="ignore"):
+        yield

@@ -5,28 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from qrobot._extras import distribution_version, extras
 from qrobot._version import __version__
 
-__all__ = ["PROFILES", "Check", "difference"]
+__all__ = ["PROFILES", "Check", "difference", "first_profile"]
 
 PROFILES = ("base", "solver", "edge", "full")
 """What can be installed; each holds all of the one before."""
-
-FIRST_HELD = {
-    None: "base",
-    "planners": "solver",
-    "plot": "solver",
-    "qiskit": "edge",
-    "ibm": "edge",
-    "pennylane": "edge",
-    "braket": "edge",
-    "dwave": "edge",
-    "docplex": "edge",
-    "edge": "edge",
-    "science": "full",
-    "lab": "full",
-}
-"""The first profile that has an extra; a test holds it against ``pyproject.toml``."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +63,7 @@ class Check:
     @property
     def profile(self) -> str:
         """The first profile that has the stack."""
-        return FIRST_HELD[self.extra]
+        return first_profile(self.extra)
 
     def belongs(self, profile: str) -> bool:
         """Return whether an installation of a profile has the stack."""
@@ -86,16 +71,18 @@ class Check:
 
     def versions(self) -> dict[str, str]:
         """Return the versions of the distributions that are installed; nothing is imported."""
-        import importlib.metadata  # here: the processes of the checks need it not
+        found = {name: distribution_version(name) for name in self.distributions}
+        if "qrobot" in found:  # run from its sources: we are here, so it is
+            found["qrobot"] = found["qrobot"] or __version__
+        return {name: version for name, version in found.items() if version}
 
-        found: dict[str, str] = {}
-        for name in self.distributions:
-            try:
-                found[name] = importlib.metadata.version(name)
-            except importlib.metadata.PackageNotFoundError:
-                if name == "qrobot":  # run from its sources: we are here, so it is
-                    found[name] = __version__
-        return found
+
+def first_profile(extra: str | None) -> str:
+    """Return the first profile that has an extra, by what both install; None is the base."""
+    if extra is None:
+        return "base"
+    needed = extras().get(extra)
+    return next((p for p in PROFILES if needed and needed <= extras().get(p, set())), "full")
 
 
 def difference(answer: Sequence[float], expected: Sequence[float], tolerance: float) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import os
 import platform
 import sys
@@ -10,39 +9,22 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from qrobot._extras import distribution_version, extras, install_command
 from qrobot._version import __version__
 from qrobot.jobs.credentials import SERVICES, presence
 from qrobot.jobs.store import default_path
 
-__all__ = ["BASE", "EXTRAS", "inventory", "inventory_text"]
+__all__ = ["EXTRAS", "inventory", "inventory_text", "packages_of"]
 
-BASE = (
-    "click", "dimod", "dwave-neal", "dwave-samplers", "numpy", "prometheus-client",
-    "psutil", "pydantic",
-)  # fmt: skip
-"""Distributions that every installation has."""
-
-EXTRAS: dict[str, tuple[str, ...]] = {
-    "planners": ("pyvrp", "ortools"),
-    "plot": ("matplotlib",),
-    "qiskit": ("qiskit", "qiskit-aer", "qiskit-algorithms", "qiskit-optimization"),
-    "ibm": ("qiskit-ibm-runtime",),
-    "pennylane": ("pennylane", "pennylane-lightning", "autograd"),
-    "braket": ("amazon-braket-sdk",),
-    "docplex": ("docplex", "qiskit-optimization"),
-    "dwave": (
-        "dwave-cloud-client", "dwave-hybrid", "dwave-networkx", "dwave-optimization",
-        "dwave-system", "minorminer",
-    ),
-}  # fmt: skip
-"""The extras that backends name, and what each installs by itself."""
+EXTRAS = ("planners", "plot", "qiskit", "ibm", "pennylane", "braket", "docplex", "dwave")
+"""The extras that backends need."""
 
 
-def _version(distribution: str) -> str | None:
-    try:
-        return importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return None
+def packages_of(extra: str) -> list[str]:
+    """Return what an extra installs beyond the smaller ones that it includes; base: ``""``."""
+    held = extras().get(extra, frozenset())
+    smaller = [names for other, names in extras().items() if other and names < held]
+    return sorted(held.difference(*smaller))
 
 
 def _writable(folder: Path) -> bool:
@@ -81,17 +63,17 @@ def inventory() -> dict[str, Any]:
     import psutil
 
     problems = []
-    base = {name: _version(name) for name in BASE}
+    base = {name: distribution_version(name) for name in packages_of("")}
     for name, version in base.items():
         if version is None:
             problems.append(f"{name} is not installed; install it with: pip install qrobot")
     extras = {}
-    for extra, names in EXTRAS.items():
-        versions = {name: _version(name) for name in names}
+    for extra in EXTRAS:
+        versions = {name: distribution_version(name) for name in packages_of(extra)}
         extras[extra] = {
             "installed": None not in versions.values(),
             "packages": versions,
-            "install": f"pip install 'qrobot[{extra}]'",
+            "install": install_command(extra),
         }
     credentials = {}
     for service, (title, _, mend) in SERVICES.items():

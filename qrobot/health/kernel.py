@@ -10,7 +10,6 @@ from __future__ import annotations
 import asyncio
 import importlib
 import os
-import signal
 import subprocess
 import threading
 import time
@@ -18,8 +17,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from qrobot._processes import end_family, end_group, name_signal, resident_memory
 from qrobot.health.place import environment, own_folder
-from qrobot.health.process import MARK, Limits, end_all, resident
+from qrobot.health.process import MARK, Limits
 
 __all__ = ["Session"]
 
@@ -68,7 +68,7 @@ class Session:
             try:
                 while thread.is_alive():
                     thread.join(POLL)
-                    self.peak = max(self.peak, resident(self._pid))
+                    self.peak = max(self.peak, resident_memory(self._pid))
                     if self.peak > self.limits.megabytes:
                         overrun = f"took more than {self.limits.megabytes:g} MB of memory"
                     elif time.monotonic() - begun > self.limits.seconds:
@@ -79,7 +79,7 @@ class Session:
                 while thread.is_alive():
                     self._kill()
                     thread.join(POLL)
-                end_all(self._pid, folder.name)
+                end_family(self._pid, MARK, folder.name)
             self.problem = self._why(overrun, folder / "stderr")
 
     def _guarded(self, folder: Path) -> None:
@@ -133,7 +133,8 @@ class Session:
         if overrun:
             told = f"{where} {overrun} and was stopped"
         elif type(error).__name__ == "DeadKernelError" and code is not None:
-            told = f"{where} ended the kernel{_manner(code)}"
+            manner = f"with code {code}" if code >= 0 else f"by {name_signal(-code)}"
+            told = f"{where} ended the kernel {manner}"
         else:
             told = f"the kernel did not start: {_last_line(noise) or ' '.join(str(error).split())}"
         cell = self.notebook.cells[self._cell]
@@ -151,27 +152,15 @@ class Session:
 
     def _kill(self) -> None:
         """End the kernel's session; what it sent into other sessions is found at the end."""
-        if self._pid is not None:
-            with suppress(ProcessLookupError, PermissionError):
-                os.killpg(self._pid, signal.SIGKILL)
+        end_group(self._pid)
 
 
 def _environment(folder: Path) -> dict[str, str]:
     return environment(folder) | {
         MARK: folder.name,
         "PYTHONSAFEPATH": "1",
-        "PYTHONWARNINGS": "ignore",  # what an SDK thinks of its own parts is no lesson
         "IPYTHONDIR": str(folder),  # no profile of the user, though it may be named
     }
-
-
-def _manner(code: int) -> str:
-    if code >= 0:
-        return f" with code {code}"
-    try:
-        return f" by {signal.Signals(-code).name}"
-    except ValueError:
-        return f" by signal {-code}"
 
 
 def _last_line(path: Path) -> str:

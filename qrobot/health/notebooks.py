@@ -6,14 +6,14 @@ The sources are jupytext's percent scripts; the last cell of each is the check's
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from qrobot._extras import is_installed, missing
 from qrobot._files import StrPath, write_text_atomic
-from qrobot.errors import InputError, MissingExtraError
+from qrobot.errors import InputError
 from qrobot.health.check import Check, difference
 from qrobot.health.lesson import VERDICT
 from qrobot.health.model import CheckResult, Status
@@ -64,8 +64,8 @@ def prepare(folder: StrPath, checks: Sequence[Check] = ()) -> None:
         When the folder cannot be made, nothing can be written into it, or one of the checks has
         no notebook.
     """
-    if not all(importlib.util.find_spec(tool) for tool in TOOLS):
-        raise MissingExtraError("--notebooks", "lab")
+    if not all(map(is_installed, TOOLS)):
+        raise missing("--notebooks", "jupytext")
     for check in checks:
         source_of(check)
     folder = Path(folder)

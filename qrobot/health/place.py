@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from qrobot._children import import_path
+from qrobot._processes import child_environment
 
 __all__ = ["ROOT", "environment", "own_folder"]
 
@@ -60,9 +60,9 @@ def environment(folder: Path, seen: Mapping[str, str] = os.environ) -> dict[str,
     seen
         The variables to begin with.
     """
-    found = {name: value for name, value in seen.items() if not _is_secret(name)}
-    found["PYTHONPATH"] = import_path()  # all that we can import, but not the current folder
+    found = child_environment({n: value for n, value in seen.items() if not _is_secret(n)})
     found["TMPDIR"] = str(folder)  # which is in the user's own
+    found["PYTHONWARNINGS"] = "ignore"  # what an SDK thinks of its own parts
     for name in OWN if _takes_files(_caches(found)) else (*OWN, *CACHES):
         found.setdefault(name, str(folder / name.lower()))
     return found

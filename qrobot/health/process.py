@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-import signal
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -16,13 +14,12 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-import psutil
-
+from qrobot._processes import end_family, python_command, resident_memory
 from qrobot.errors import InputError
 from qrobot.health.check import Check
 from qrobot.health.place import environment
 
-__all__ = ["MARK", "Limits", "Process", "end_all", "resident"]
+__all__ = ["MARK", "Limits", "Process"]
 
 POLL = 0.02
 """Seconds between two looks at what the process tells."""
@@ -39,9 +36,6 @@ MARK = "QROBOT_HEALTH_CHECK"
 
 VMSTAT = Path("/proc/vmstat")
 """Where Linux counts the processes that it killed for want of memory."""
-
-LOST = (psutil.Error, OSError)
-"""What psutil raises of a process that is gone, foreign, or oddly emulated."""
 
 
 @dataclass(frozen=True)
@@ -103,11 +97,9 @@ class Process:
         self._mark = folder.name
         self._kills = _out_of_memory_kills()
         reader, writer = os.pipe()
-        # -P: a file numpy.py in the folder that somebody happens to be in is not numpy.
-        command = [sys.executable, "-P", "-W", "ignore", "-m", "qrobot.health.worker"]
         try:
             self.process = subprocess.Popen(
-                [*command, check.module, str(writer)],
+                python_command("qrobot.health.worker", check.module, str(writer)),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
@@ -135,7 +127,7 @@ class Process:
                 self._drain()
                 self._listen()
                 if (look := time.monotonic()) >= due:
-                    self.peak = max(self.peak, resident(self.process.pid))
+                    self.peak = max(self.peak, resident_memory(self.process.pid))
                     now = time.monotonic()
                     due = now + min(SHARE * (now - look), PAUSE)
                 if self.peak > self.limits.megabytes:
@@ -146,7 +138,7 @@ class Process:
                     break
                 time.sleep(POLL)
         finally:
-            end_all(self.process.pid, self._mark)
+            end_family(self.process.pid, MARK, self._mark)
             code = self.process.wait()
             self.starved = _out_of_memory_kills() > self._kills
             self._drain()
@@ -174,48 +166,6 @@ class Process:
                 if "answer" in told:  # as texts: JSON has no word for a number that is not one
                     told["answer"] = [float(number) for number in told["answer"]]
                 self.told |= told
-
-
-def resident(leader: int | None) -> float:
-    """Return the resident memory of a process and its children in MiB, 0 where there is none."""
-    if leader is None:
-        return 0.0
-    total = 0
-    with suppress(*LOST):
-        family = psutil.Process(leader)
-        for member in [family, *family.children(recursive=True)]:
-            with suppress(*LOST):
-                total += member.memory_info().rss
-    return total / 2**20
-
-
-def end_all(leader: int | None, mark: str) -> None:
-    """Kill a session, and what it started and sent into sessions of their own.
-
-    Parameters
-    ----------
-    leader
-        Its first process, a child of ours that is waited for elsewhere; None when there is none.
-    mark
-        What the variable `MARK` is in all of them.
-    """
-    if leader is not None:
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(leader, signal.SIGKILL)
-    for _ in range(3):  # what is born while we look is found by looking again
-        left = [process for process in psutil.process_iter() if _has(mark, process, leader)]
-        for process in left:
-            with suppress(*LOST):
-                process.kill()
-        psutil.wait_procs(left, timeout=1)
-        if not left:
-            break
-
-
-def _has(mark: str, process: psutil.Process, leader: int | None) -> bool:
-    with suppress(*LOST):
-        return process.environ().get(MARK) == mark and process.pid != leader
-    return False
 
 
 def _waiting(pipe: int) -> Iterator[bytes]:

@@ -9,6 +9,8 @@ from contextlib import ExitStack
 from threading import Event
 from typing import Any
 
+from qrobot._extras import install_command
+from qrobot._processes import name_signal
 from qrobot.errors import InputError
 from qrobot.health.check import Check, difference
 from qrobot.health.model import CheckResult, Status
@@ -131,21 +133,14 @@ def _why(process: Process, code: int) -> str:
         reason = starved or "perhaps the machine is out of memory"
         return f"{phase} was ended by SIGKILL ({reason})"
     if code < 0:
-        return f"{phase} was ended by {_signal(-code)}"
+        return f"{phase} was ended by {name_signal(-code)}"
     words = process.last_words()
     return f"{phase} ended the process with code {code}{f': {words}' if words else ''}"
 
 
-def _signal(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
-
-
 def _mend(check: Check, missing: Sequence[str]) -> str:
     what = f"{', '.join(missing)} not installed"
-    return f"{what}: pip install 'qrobot[{check.extra}]'" if check.extra else what
+    return f"{what}: {install_command(check.extra)}" if check.extra else what
 
 
 def _result(

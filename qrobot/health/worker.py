@@ -9,7 +9,6 @@ from __future__ import annotations
 import importlib
 import os
 import resource
-import signal
 import sys
 import time
 from contextlib import suppress
@@ -17,12 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from qrobot._json import json_text
+from qrobot._machine import peak_memory
+from qrobot._processes import end_with_parent
 from qrobot.health.wheel import unfit
 
 __all__ = ["main"]
-
-PR_SET_PDEATHSIG = 1
-"""From linux/prctl.h."""
 
 
 def main() -> None:
@@ -42,7 +40,9 @@ def main() -> None:
         begun = time.perf_counter()
         answer = [float(number) for number in check.answer()]
         tell(
-            run_seconds=time.perf_counter() - begun, answer=list(map(repr, answer)), peak_mb=_peak()
+            run_seconds=time.perf_counter() - begun,
+            answer=list(map(repr, answer)),
+            peak_mb=peak_memory() / 2**20,
         )
         tell(expected=[float(number) for number in check.expected()])
     except MemoryError:
@@ -60,26 +60,9 @@ def _behave() -> None:
     """
     with suppress(OSError, ValueError):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with suppress(ImportError, OSError, AttributeError):
-        import ctypes
-
-        if sys.platform == "linux":
-            ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    end_with_parent()
     with suppress(OSError):  # without it the kernel chooses by size
         Path("/proc/self/oom_score_adj").write_text("1000")
-
-
-def _peak() -> float:
-    """Return the largest resident memory of this program in MiB.
-
-    `getrusage` would do, but on Linux it starts at the size of who started us. Under an emulator
-    of processes (qemu-user) it is the emulator's memory, program and translations together.
-    """
-    with suppress(OSError, ValueError):
-        for line in Path("/proc/self/status").read_text().splitlines():
-            if line.startswith("VmHWM:"):
-                return int(line.split()[1]) / 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 if __name__ == "__main__":

@@ -7,11 +7,11 @@ improves it. Everything else is searched until the deadline, with a bound beside
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from qrobot._extras import is_installed
 from qrobot.backends import Planner, Stop, available, get
 from qrobot.backends.classical.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
@@ -151,4 +151,4 @@ def _proving(stop: Stop) -> Stop:
 
 
 def _has_cp_sat() -> bool:
-    return importlib.util.find_spec("ortools") is not None
+    return is_installed("ortools")

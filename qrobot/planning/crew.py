@@ -11,7 +11,6 @@ import json
 import os
 import pickle
 import subprocess
-import sys
 import threading
 import time
 from collections import deque
@@ -19,7 +18,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import IO
 
-from qrobot._children import child_environment
+from qrobot._machine import usable_cores
+from qrobot._processes import child_environment, python_command
 from qrobot.backends import Routes
 from qrobot.problem import Instance
 
@@ -37,8 +37,7 @@ def spare_cores() -> int:
     wanted = os.environ.get("QROBOT_HELPERS", "")
     if wanted.isdigit():
         return min(int(wanted), MOST)
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return max(0, min((usable or 1) - 1, MOST))
+    return max(0, min(usable_cores() - 1, MOST))
 
 
 class Crew:
@@ -78,7 +77,7 @@ class Crew:
         self._readers: list[threading.Thread] = []
         for h in range(helpers):
             process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "qrobot.planning.worker"],
+                python_command("qrobot.planning.worker"),
                 env=child_environment(),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,

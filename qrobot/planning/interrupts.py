@@ -6,8 +6,8 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from types import FrameType
 
+from qrobot._processes import catch_signals
 from qrobot.backends import Stop
 
 __all__ = ["graceful_interrupts"]
@@ -19,20 +19,11 @@ def graceful_interrupts(stop: Stop) -> Iterator[None]:
 
     Only in the main thread, and only where the caller has not set a handler of its own.
     """
-    usual = signal.default_int_handler
     if (
-        threading.current_thread() is not threading.main_thread()
-        or signal.getsignal(signal.SIGINT) is not usual
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
     ):
+        with catch_signals(lambda _: stop.request(), "SIGINT", second="restore"):
+            yield
+    else:
         yield
-        return
-
-    def on_interrupt(_number: int, _frame: FrameType | None) -> None:
-        signal.signal(signal.SIGINT, usual)
-        stop.request()
-
-    signal.signal(signal.SIGINT, on_interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, usual)

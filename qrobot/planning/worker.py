@@ -8,11 +8,11 @@ from __future__ import annotations
 import os
 import pickle
 import sys
-import threading
 import time
 from collections.abc import Sequence
 
 from qrobot._json import json_text
+from qrobot._processes import end_with_parent
 from qrobot.backends import Planner, Stop, get
 
 __all__ = ["main"]
@@ -23,19 +23,14 @@ NICENESS = 5
 
 
 def main() -> None:
-    """Search until the limits are reached or the standard input is closed."""
+    """Search until the limits are reached or the parent is gone."""
+    end_with_parent()
     source = sys.stdin.buffer
     instance, backend, end, max_work = pickle.load(source)  # noqa: S301 - our parent's
     seed = pickle.load(source)  # noqa: S301
     if hasattr(os, "nice"):
         os.nice(NICENESS)
     stop = Stop(None if end is None else max(end - time.monotonic(), 0.0), max_work)
-
-    def watch() -> None:
-        source.read()  # returns when the parent closes the pipe or is gone
-        stop.request()
-
-    threading.Thread(target=watch, daemon=True).start()
 
     def tell(routes: Sequence[Sequence[int]], _cost: float) -> None:
         sys.stdout.write(json_text([list(map(int, route)) for route in routes]) + "\n")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from qrobot._extras import install_command
 from qrobot._text import columns
 from qrobot.backends import available, get, names, registry
 from qrobot.errors import QRobotError
@@ -19,9 +20,9 @@ def backend_rows() -> list[dict[str, Any]]:
         row: dict[str, Any] = {"name": name, "installed": available(name)}
         try:
             row |= asdict(get(name).capabilities)
+            row["extra"] = row["extra"] or registry.extra_for(name)
         except (QRobotError, ImportError) as error:
-            extra = registry.EXTRAS.get(name)
-            row |= {"installed": False, "problem": str(error), "extra": extra}
+            row |= {"installed": False, "problem": str(error), "extra": registry.extra_for(name)}
         rows.append(row)
     return rows
 
@@ -32,7 +33,7 @@ def backend_table(rows: list[dict[str, Any]]) -> str:
     lines = []
     for row in rows:
         if "kind" not in row:
-            how = f": pip install 'qrobot[{row['extra']}]'" if row.get("extra") else ""
+            how = f": {install_command(row['extra'])}" if row.get("extra") else ""
             lines.append([row["name"], "-", "-", f"no{how}", "-", "-", "-"])
             continue
         lines.append(
@@ -40,7 +41,7 @@ def backend_table(rows: list[dict[str, Any]]) -> str:
                 row["name"],
                 row["kind"],
                 "local" if row["local"] else "remote",
-                "yes" if row["installed"] else f"no: pip install 'qrobot[{row['extra']}]'",
+                "yes" if row["installed"] else f"no: {install_command(row['extra'])}",
                 "yes" if row["deterministic"] else "no",
                 "yes" if row["proves"] else "no",
                 "yes" if row["whole_orders"] else "no",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import os
 import platform
-from pathlib import Path
 from typing import Any
 
 import psutil
 
+from qrobot._extras import distribution_version
+from qrobot._machine import read_cpuinfo
 from qrobot._version import __version__
 
 __all__ = ["machine"]
@@ -22,32 +22,15 @@ PACKAGES = (
 
 def machine() -> dict[str, Any]:
     """Return processor, memory, system and the versions that matter, as plain data."""
+    entries = read_cpuinfo()
+    named = entries.get("model name") or entries.get("Model")
     return {
-        "processor": _processor(),
+        "processor": named or platform.processor() or "unknown",
         "architecture": platform.machine(),
         "cores": os.cpu_count(),
         "memory_gb": round(psutil.virtual_memory().total / 1e9, 1),
         "system": platform.platform(),
         "python": platform.python_version(),
         "qrobot": __version__,
-        "packages": {name: version for name in PACKAGES if (version := _version(name))},
+        "packages": {name: version for name in PACKAGES if (version := distribution_version(name))},
     }
-
-
-def _processor() -> str:
-    try:
-        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
-    except OSError:
-        return platform.processor() or "unknown"
-    for line in text.splitlines():
-        name, _, value = line.partition(":")
-        if name.strip() in {"model name", "Model"}:
-            return value.strip()
-    return platform.processor() or "unknown"
-
-
-def _version(name: str) -> str | None:
-    try:
-        return importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
-        return None

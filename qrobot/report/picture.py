@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import logging
 import os
@@ -12,8 +11,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from qrobot._extras import is_installed, load
+from qrobot._extras import missing as missing_extra
 from qrobot._files import StrPath, path_text, write_bytes_atomic
-from qrobot.errors import InputError, MissingExtraError
+from qrobot.errors import InputError
 from qrobot.plan import Plan
 from qrobot.problem import AisleWarehouse, Instance
 from qrobot.report.fonts import families, told
@@ -89,8 +90,8 @@ def check_picture_path(path: str | os.PathLike[str]) -> str:
     MissingExtraError
         When matplotlib is not installed; found out without importing it.
     """
-    if importlib.util.find_spec("matplotlib") is None:
-        raise MissingExtraError("drawing pictures", "plot")
+    if not is_installed("matplotlib"):
+        raise missing_extra("drawing pictures", "matplotlib")
     kind = Path(path_text(path)).suffix.lower().lstrip(".")
     if kind not in {"svg", "png"}:
         raise InputError(
@@ -127,10 +128,7 @@ def style(texts: Iterable[str] = ()) -> Iterator[str]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            try:
-                import matplotlib
-            except ImportError:
-                raise MissingExtraError("drawing pictures", "plot") from None
+            matplotlib = load("matplotlib", "drawing pictures")
             with matplotlib.rc_context():
                 matplotlib.rcdefaults()
                 fonts, missing = families(texts)

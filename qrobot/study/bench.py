@@ -6,7 +6,6 @@ import fnmatch
 import json
 import os
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
@@ -14,9 +13,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from qrobot._children import child_environment
 from qrobot._files import read_text, write_text_atomic
 from qrobot._json import json_text
+from qrobot._processes import child_environment, python_command
 from qrobot.errors import InputError
 from qrobot.problem.checks import is_reference
 from qrobot.problem.formats.jsontext import loads
@@ -260,10 +259,7 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
         begun = time.perf_counter()
         try:
             done = subprocess.run(
-                [
-                    *(sys.executable, "-P", "-m", "qrobot.study.bench_worker"),
-                    *(json_text(asdict(task)), str(os.getpid())),
-                ],
+                python_command("qrobot.study.bench_worker", json_text(asdict(task))),
                 env=child_environment(),
                 capture_output=True,
                 encoding="utf-8",

@@ -64,6 +64,6 @@ def test_what_cannot_be_counted_is_refused(monkeypatch: pytest.MonkeyPatch) -> N
         spectrum(paper_shaped(5, 1, 0))
     with pytest.raises(BackendError, match="more than the 15"):
         spectrum(whole(paper_shaped(16, 1, 0)))
-    monkeypatch.setattr(memory, "available", lambda: 1000)
+    monkeypatch.setattr(memory, "available_memory", lambda: 1000)
     with pytest.raises(BackendError, match="1,000 bytes"):
         spectrum(whole(paper_shaped(5, 1, 0)))

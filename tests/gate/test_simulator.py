@@ -116,14 +116,14 @@ def test_all_lowest_assignments_are_found() -> None:
 def test_a_state_that_does_not_fit_is_refused_before_it_is_made(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(memory, "available", lambda: 10**9)
+    monkeypatch.setattr(memory, "available_memory", lambda: 10**9)
     with pytest.raises(BackendError) as refused:
         DiagonalQAOA(form_of(30))
     text = str(refused.value)
     assert "30 qubits" in text
     assert f"{24 << 30:,} bytes" in text
     assert "1,000,000,000 bytes" in text
-    monkeypatch.setattr(memory, "available", lambda: 20 << 20)
+    monkeypatch.setattr(memory, "available_memory", lambda: 20 << 20)
     DiagonalQAOA(form_of(20), precision="single")
     with pytest.raises(BackendError, match="precision 'single'"):
         DiagonalQAOA(form_of(20))
@@ -133,7 +133,7 @@ def test_sizes_are_readable() -> None:
     assert memory.readable(1000) == "1000 bytes"
     assert memory.readable(3 << 29) == "1.5 GiB"
     assert memory.readable(24 << 160) == "10^49 bytes"
-    assert memory.available() > 0
+    assert memory.available_memory() > 0
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,7 @@ def test_options_are_checked() -> None:
 
 def test_states_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     plans = feasible_set(paper_shaped(4, 1, 0))
-    monkeypatch.setattr(memory, "available", lambda: 1_000)
+    monkeypatch.setattr(memory, "available_memory", lambda: 1_000)
     with pytest.raises(BackendError, match="24 states"):
         SubspaceQAOA.of(plans)
     with pytest.raises(BackendError, match="256 states"):

@@ -13,7 +13,7 @@ from packaging.requirements import Requirement
 
 from qrobot.errors import InputError
 from qrobot.health import PROFILES, all_checks, choose
-from qrobot.health.check import FIRST_HELD
+from qrobot.health.check import first_profile
 
 PROJECT = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text())
 EXTRAS: dict[str, list[str]] = PROJECT["project"]["optional-dependencies"]
@@ -76,14 +76,14 @@ def test_every_stack_of_the_paper_has_its_check() -> None:
     assert set(all_checks()) >= STACKS
 
 
-def test_the_table_of_extras_is_that_of_the_project() -> None:
+def test_extras_and_profiles_are_those_of_the_project() -> None:
     for check in all_checks().values():
         assert check.extra is None or check.extra in EXTRAS, check.name
     for extra in EXTRAS:
         holders = [p for p in PROFILES if p != "base" and extra in extras_of(p)]
         if extra in PROFILES or not holders:
             continue  # the profiles themselves, and what only a developer installs
-        assert FIRST_HELD[extra] == holders[0], extra
+        assert first_profile(extra) == holders[0], extra
 
 
 @pytest.mark.parametrize("name", all_checks())

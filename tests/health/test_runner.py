@@ -59,7 +59,7 @@ def test_watching_the_memory_does_not_take_the_processor(
     monkeypatch.setattr(
         "qrobot.health.process.time", SimpleNamespace(monotonic=lambda: clock[0], sleep=sleep)
     )
-    monkeypatch.setattr("qrobot.health.process.resident", slow)
+    monkeypatch.setattr("qrobot.health.process.resident_memory", slow)
     body = f"import os, time\nwhile not os.path.exists({str(gate)!r}): time.sleep(0.01)"
     limits = Limits(seconds=1e9)
     assert run(plant("long", f"{body}\nreturn [1.0]"), limits).status == "pass"

@@ -15,7 +15,7 @@ from jobs.test_redaction import FORMS, plant
 from qrobot.backends.jobs import refresh_all
 from qrobot.cli import doctor, jobs, main
 from qrobot.errors import InputError
-from qrobot.health import inventory
+from qrobot.health.inventory import EXTRAS, packages_of
 from qrobot.jobs import JobStore, Options, run_job
 
 BQM = dimod.BQM({"a": 1.0, "b": -1.0}, {("a", "b"): 0.5}, 0.25, "BINARY")
@@ -94,9 +94,9 @@ def test_the_extras_are_those_of_the_project() -> None:
         found = (r.split(">")[0].split("<")[0].split("=")[0].strip() for r in requirements)
         return sorted(name for name in found if not name.startswith("qrobot"))
 
-    assert set(inventory.BASE) <= set(names(project["dependencies"]))
-    for extra, packages in inventory.EXTRAS.items():
-        assert names(project["optional-dependencies"][extra]) == sorted(packages)
+    assert packages_of("") == names(project["dependencies"])
+    for extra in EXTRAS:
+        assert names(project["optional-dependencies"][extra]) == packages_of(extra)
 
 
 def test_one_dead_job_does_not_hide_the_others(service: FileService) -> None:

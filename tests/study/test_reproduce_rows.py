@@ -162,7 +162,7 @@ def test_a_state_that_does_not_fit_is_refused_with_its_size(
     assert METHODS["penalty"] not in dict(methods_for(row_of(1, 4), large=True))
     row = row_of(2, 3)
     question = Question.of(row, 7)
-    monkeypatch.setattr(memory, "available", lambda: 100_000)
+    monkeypatch.setattr(memory, "available_memory", lambda: 100_000)
     with pytest.raises(Exception, match=r"16 qubits needs 1,572,864 bytes .* available"):
         METHODS["penalty"].run(blank(row, "penalty"), question, 10, 0)
 

@@ -6,13 +6,13 @@ exact probabilities are taken from a circuit in which variable k is qubit n - 1 
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterable
 from typing import Any, ClassVar
 
 import numpy as np
 
 from qrobot._arrays import Bits, Floats
+from qrobot._extras import load
 from qrobot.backends.braket.devices import arn_of
 from qrobot.backends.braket.session import check_status, open_device
 from qrobot.backends.braket.tasks import TaskEngine, check_fit
@@ -24,7 +24,7 @@ from qrobot.backends.gate.lower import lowered
 from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.sampler import Parameter
-from qrobot.errors import InputError, MissingExtraError
+from qrobot.errors import InputError
 from qrobot.jobs import Options as Life
 
 __all__ = ["BraketQAOA", "BraketVQE", "circuit_of", "observable"]
@@ -49,7 +49,7 @@ def observable(bqm: Any) -> Any:
     bqm
         A dimod model; qubit k is the k-th variable, state 1 is x = 1 (dimod: s = +1).
     """
-    observables = _need("braket.circuits.observables", "Braket observables")
+    observables = load("braket.circuits.observables", "Braket observables")
     made = []
     for value, qubits in terms(bqm):
         if not qubits:
@@ -77,7 +77,7 @@ def circuit_of(
         Whether ZZ rotations may stay one gate: simulators and trapped ions have it, other
         chips get two CNOTs.
     """
-    made = _need("braket.circuits", "Braket circuits").Circuit()
+    made = load("braket.circuits", "Braket circuits").Circuit()
     last = circuit.qubits - 1
     if any(gate.controls for gate in circuit.gates):
         circuit = lowered(circuit)
@@ -99,7 +99,7 @@ class _Local(StateEngine):
 
     def __init__(self, circuit: Circuit, name: str) -> None:
         super().__init__(circuit)
-        devices = _need("braket.devices", "backend braket")
+        devices = load("braket.devices", "backend braket")
         self._device = devices.LocalSimulator(name)
         self.facts = {"device": name}
 
@@ -145,13 +145,12 @@ class _Braket(VariationalSampler):
     """
 
     sdk = "braket"
-    extra = "braket"
     own: ClassVar[dict[str, Parameter]] = {"run_options": Parameter("names")}
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
         del own
-        _need("braket.circuits", f"backend {self.name}")
+        load("braket.circuits", f"backend {self.name}")
         device = options.device or "local"
         if not isinstance(device, str) or device in ("local", "braket_sv", "braket_dm"):
             options.refuse_device_options("a device of this machine or a device object")
@@ -178,7 +177,7 @@ class _Braket(VariationalSampler):
             name = "braket_sv" if device == "local" else device
             if options.shots is None:
                 return _Local(ansatz.circuit, name)
-            device = _need("braket.devices", "backend braket").LocalSimulator(name)
+            device = load("braket.devices", "backend braket").LocalSimulator(name)
         return _Shots(ansatz.circuit, device, run)
 
     def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
@@ -187,7 +186,7 @@ class _Braket(VariationalSampler):
         device = options.device
         if isinstance(device, str):
             arn = arn_of(device)
-            _need("braket.aws", "Braket's managed devices")
+            load("braket.aws", "Braket's managed devices")
             device = open_device(
                 arn, options.device_options, backoff=life.backoff, stop=life.interrupt_function
             )
@@ -221,10 +220,3 @@ class BraketQAOA(_Braket):
     """QAOA on Braket (backend ``braket-qaoa``)."""
 
     algorithm = "qaoa"
-
-
-def _need(module: str, what: str) -> Any:
-    try:
-        return importlib.import_module(module)
-    except ImportError:
-        raise MissingExtraError(what, "braket") from None

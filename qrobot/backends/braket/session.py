@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from typing import Any
 
-from qrobot.errors import BackendError, CredentialsError, MissingExtraError
+from qrobot._extras import load
+from qrobot.errors import BackendError, CredentialsError
 from qrobot.jobs.credentials import SERVICES, presence
 from qrobot.jobs.redaction import mask_logs, register_secret
 from qrobot.jobs.retry import Backoff, with_retries
@@ -131,10 +131,7 @@ LOGGERS = ("backoff", "braket.aws.aws_quantum_task")
 
 def _sdk(module: str) -> Any:
     mask_logs(*LOGGERS)
-    try:
-        return importlib.import_module(module)
-    except ImportError:
-        raise MissingExtraError(TITLE, "braket") from None
+    return load(module, TITLE)
 
 
 def _hide(given: Any) -> None:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import threading
 from typing import Any
 
+from qrobot._extras import load
 from qrobot.backends.base import Stop
-from qrobot.errors import MissingExtraError
 
 __all__ = ["new_solver", "solve"]
 
@@ -34,11 +34,7 @@ def new_solver(what: str) -> Any:
     MissingExtraError
         When OR-Tools is not installed.
     """
-    try:
-        from ortools.linear_solver import pywraplp
-    except ImportError:
-        raise MissingExtraError(what, "planners") from None
-    return pywraplp.Solver.CreateSolver("SAT")
+    return load("ortools.linear_solver.pywraplp", what).Solver.CreateSolver("SAT")
 
 
 def solve(solver: Any, stop: Stop, seed: int) -> int:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from qrobot._extras import load
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
 from qrobot.backends.classical.whole import usual_distance, whole_costs
-from qrobot.errors import BackendError, MissingExtraError
+from qrobot.errors import BackendError
 from qrobot.problem import Instance
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ class PyVRPPlanner:
 
     name = "pyvrp"
     plain = False
-    capabilities = Capabilities(kind="planner", whole_orders=False, extra="planners")
+    capabilities = Capabilities(kind="planner", whole_orders=False)
 
     def search(
         self,
@@ -65,11 +66,9 @@ class PyVRPPlanner:
         MissingExtraError
             When PyVRP is not installed.
         """
-        try:
-            from pyvrp.exceptions import PenaltyBoundWarning
-            from pyvrp.IteratedLocalSearch import IteratedLocalSearchCallbacks
-        except ImportError:
-            raise MissingExtraError("backend pyvrp", "planners") from None
+        PenaltyBoundWarning = load("pyvrp.exceptions", "backend pyvrp").PenaltyBoundWarning
+        from pyvrp.IteratedLocalSearch import IteratedLocalSearchCallbacks
+
         if instance.whole_orders:
             raise BackendError(
                 "backend pyvrp cannot keep orders of several stops together; "

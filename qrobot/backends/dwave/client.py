@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
 from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
 import dimod
 
+from qrobot._extras import load
 from qrobot.backends.base import Capabilities
 from qrobot.backends.dwave.jobs import DWaveJobs, check_token, connection, run_seconds
 from qrobot.backends.sampler import Parameter, PickingSampler
-from qrobot.errors import MissingExtraError, RemoteError
+from qrobot.errors import RemoteError
 from qrobot.jobs import (
     LIMITS,
     Answer,
@@ -43,7 +43,7 @@ class DWaveCloudSampler(PickingSampler):
     """
 
     title = "D-Wave Leap"
-    capabilities = Capabilities(kind="sampler", local=False, deterministic=False, extra="dwave")
+    capabilities = Capabilities(kind="sampler", local=False, deterministic=False)
     accepts: Mapping[str, Parameter] = LIMITS
 
     def __init__(self, child: Any = None, **config: Any) -> None:
@@ -80,10 +80,7 @@ class DWaveCloudSampler(PickingSampler):
         """
         if self._given is not None or (self._child is not None and device in (None, self._device)):
             return self._child
-        try:
-            importlib.import_module("dwave.system")
-        except ImportError:
-            raise MissingExtraError(f"backend {self.name}", "dwave") from None
+        load("dwave.system", f"backend {self.name}")
         if "token" not in self._config:
             check_token(self._config)
         config = connection(self._config)

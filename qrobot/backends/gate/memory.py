@@ -1,45 +1,23 @@
-"""How much memory there is, and the refusal when a state would not fit into it."""
+"""Arrays that fit the processor, and the refusal when a state would not fit into it."""
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import psutil
 
+from qrobot._machine import available_memory
 from qrobot.errors import BackendError
 
-__all__ = ["aligned", "available", "pair", "readable", "require"]
+__all__ = ["aligned", "pair", "readable", "require"]
 
 GAP = 5 << 14
 """Bytes between the two arrays of `pair`."""
 
 LARGEST = 1 << 70
 """Bytes, a thousand EiB; nobody wants to read more than a power of ten of what is larger."""
-
-GROUPS = (
-    ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
-    (
-        "/sys/fs/cgroup/memory/memory.limit_in_bytes",
-        "/sys/fs/cgroup/memory/memory.usage_in_bytes",
-    ),
-)
-"""Limit and use of a container's memory (control groups, version 2 and 1)."""
-
-
-def available() -> int:
-    """Return the bytes that can be allocated without swapping, within a container's limit."""
-    room = int(psutil.virtual_memory().available)
-    for limit, used in GROUPS:
-        try:
-            left = int(Path(limit).read_text()) - int(Path(used).read_text())
-        except (OSError, ValueError):  # no control group, or "max"
-            continue
-        room = min(room, max(left, 0))
-    return room
 
 
 def require(
@@ -63,7 +41,7 @@ def require(
     BackendError
         When fewer bytes are available.
     """
-    room = available()
+    room = available_memory()
     if needed > room:
         if qubits is not None:
             fit = next((q for q in range(qubits, 0, -1) if needed >> (qubits - q) <= room), 0)

@@ -7,15 +7,15 @@ Scipy's, imported when asked for: the rest. ``none`` looks at the first paramete
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from qrobot._arrays import Floats
+from qrobot._extras import load
 from qrobot.backends.gate.nft import Turns, nft
-from qrobot.errors import BackendError, InputError, MissingExtraError
+from qrobot.errors import BackendError, InputError
 
 __all__ = ["GRADIENT", "OPTIMISERS", "Found", "minimise"]
 
@@ -206,10 +206,7 @@ def _adam(slope: Slope, start: Floats, budget: int, step: float = 0.1) -> None:
 
 
 def _scipy(name: str, value: Value, slope: Slope, start: Floats, budget: int) -> None:
-    try:
-        minimize = importlib.import_module("scipy.optimize").minimize
-    except ImportError:
-        raise MissingExtraError(f"optimizer {name}", "qiskit") from None
+    minimize = load("scipy.optimize", f"optimizer {name}").minimize
     method = SCIPY[name]
     options: dict[str, float] = {"maxiter": max(budget, 1)}
     if name == "cobyla":

@@ -56,7 +56,6 @@ class VariationalSampler(PickingSampler):
 
     sdk: ClassVar[str]
     algorithm: ClassVar[str]
-    extra: ClassVar[str]
     own: ClassVar[Mapping[str, Parameter]] = {}
     """The options that only this SDK has."""
 
@@ -67,7 +66,7 @@ class VariationalSampler(PickingSampler):
         search = {k: v for k, v in SEARCH.items() if (k, self.algorithm) != ("ansatz", "qaoa")}
         self.accepts = {**search, **self.own, **LIMITS}
         # No largest size: the device and the memory decide, before anything is allocated.
-        self.capabilities = Capabilities(kind="sampler", extra=self.extra)
+        self.capabilities = Capabilities(kind="sampler")
 
     @abstractmethod
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:

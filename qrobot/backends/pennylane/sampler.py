@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from qrobot._arrays import Bits, Floats
+from qrobot._extras import load, missing
 from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
@@ -32,7 +33,12 @@ ADJOINT = ("lightning.qubit", "lightning.kokkos", "lightning.gpu")
 EXACT = (*ADJOINT, "default.qubit", "braket.local.qubit")
 """Local devices with exact probabilities."""
 
-EXTRAS = {"braket": "edge", "qiskit": "edge", "lightning": "pennylane"}
+PLUGINS = {
+    "braket": "amazon_braket_pennylane_plugin",
+    "lightning": "pennylane_lightning",
+    "qiskit": "pennylane_qiskit",
+}
+"""What brings devices whose names begin so."""
 
 GATES = {"h": "Hadamard", "rx": "RX", "ry": "RY", "rz": "RZ", "rzz": "IsingZZ", "cz": "CZ"}
 
@@ -45,7 +51,7 @@ def hamiltonian(bqm: Any) -> Any:
     bqm
         A dimod model; wire k is the k-th variable, state 1 is x = 1 (dimod: s = +1).
     """
-    qml = _need("PennyLane Hamiltonians")
+    qml = load("pennylane", "PennyLane Hamiltonians")
     words = terms(bqm)
     made = [
         qml.prod(*(qml.Z(q) for q in qubits))
@@ -63,7 +69,7 @@ class _Shots(Engine):
 
     def __init__(self, circuit: Circuit, name: str, device: Any) -> None:
         super().__init__(circuit)
-        self._qml = _need("backend pennylane")
+        self._qml = load("pennylane", "backend pennylane")
         self._device = device
         # Braket's plugin reads observables alone: Z of each wire for the wires together.
         self._by_wire = "braket" in name.lower()
@@ -180,14 +186,13 @@ class _PennyLane(VariationalSampler):
     """
 
     sdk = "pennylane"
-    extra = "pennylane"
     own: ClassVar[dict[str, Parameter]] = {
         "diff_method": Parameter("choice", choices=("adjoint", "parameter-shift", "backprop"))
     }
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
-        _need(f"backend {self.name}")
+        load("pennylane", f"backend {self.name}")
         method = own.get("diff_method")
         device = options.device or DEFAULT
         exact = options.shots is None and not options.device_options.get("shots")
@@ -267,21 +272,14 @@ def _methods(device: Any) -> tuple[str, ...]:
     return ("adjoint", "parameter-shift") if device in ADJOINT else ("parameter-shift",)
 
 
-def _need(what: str) -> Any:
-    try:
-        return importlib.import_module("pennylane")
-    except ImportError:
-        raise MissingExtraError(what, "pennylane") from None
-
-
 def _installed(name: str) -> None:
     """Refuse a device whose plugin is absent; the device itself is not made."""
-    if name not in _need("backend pennylane").plugin_devices:
+    if name not in load("pennylane", "backend pennylane").plugin_devices:
         raise _absent(name)
 
 
 def _made(name: str, qubits: int, options: dict[str, Any]) -> Any:
-    qml = _need("backend pennylane")
+    qml = load("pennylane", "backend pennylane")
     refused = False
 
     def make() -> Any:
@@ -301,7 +299,7 @@ def _made(name: str, qubits: int, options: dict[str, Any]) -> Any:
 
 
 def _absent(name: str) -> InputError | MissingExtraError:
-    extra = next((e for start, e in EXTRAS.items() if name.startswith(start)), None)
-    if extra:
-        return MissingExtraError(f"device {name}", extra)
+    plugin = next((module for start, module in PLUGINS.items() if name.startswith(start)), None)
+    if plugin:
+        return missing(f"device {name}", plugin)
     return InputError(f"{name!r} is not a PennyLane device that is installed", field="device")

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from qrobot.errors import BackendError, CredentialsError, MissingExtraError
+from qrobot._extras import load
+from qrobot.errors import BackendError, CredentialsError
 from qrobot.jobs.credentials import require
 from qrobot.jobs.retry import Backoff, with_retries
 
@@ -31,12 +32,9 @@ def service(backoff: Backoff | None = None, stop: Callable[[], bool] | None = No
 
     def opening() -> Any:
         nonlocal refused
+        service = load("qiskit_ibm_runtime", TITLE).QiskitRuntimeService
         try:
-            from qiskit_ibm_runtime import QiskitRuntimeService
-        except ImportError:
-            raise MissingExtraError(TITLE, "ibm") from None
-        try:
-            return QiskitRuntimeService()
+            return service()
         except (AttributeError, KeyError, TypeError) as error:  # a bogus instance raises these
             refused = type(error).__name__
             return None

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from qrobot._arrays import Bits, Floats
+from qrobot._extras import load
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, attempt
 from qrobot.backends.gate.remote import JobEngine
 from qrobot.backends.qiskit.account import TITLE, machine
 from qrobot.backends.qiskit.jobs import RuntimeJobs
-from qrobot.errors import BackendError, InputError, MissingExtraError
+from qrobot.errors import BackendError, InputError
 from qrobot.jobs import Estimate, Options, by_time, price
 from qrobot.jobs.cost import price_source
 
@@ -237,10 +238,7 @@ def check_fit(backend: Any, qubits: int) -> None:
 
 
 def _runtime() -> Any:
-    try:
-        return importlib.import_module("qiskit_ibm_runtime")
-    except ImportError:
-        raise MissingExtraError("IBM hardware", "ibm") from None
+    return load("qiskit_ibm_runtime", "IBM hardware")
 
 
 def _sampler_class(runtime: Any) -> Any:

@@ -5,13 +5,12 @@ Qubit k is variable k. Qiskit's indices count qubit 0 as the lowest bit, as ours
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 from typing import Any, ClassVar
 
 import numpy as np
 
 from qrobot._arrays import Floats
+from qrobot._extras import is_installed, load
 from qrobot.backends.gate import memory
 from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import TURNING, Circuit
@@ -30,7 +29,7 @@ from qrobot.backends.qiskit.runtime import (
     open_mode,
 )
 from qrobot.backends.sampler import Parameter
-from qrobot.errors import BackendError, InputError, MissingExtraError
+from qrobot.errors import BackendError, InputError
 from qrobot.jobs import Options as Life
 
 __all__ = ["QiskitQAOA", "QiskitVQE", "circuit_of", "sparse_pauli_op"]
@@ -55,7 +54,7 @@ def sparse_pauli_op(bqm: Any) -> Any:
     bqm
         A dimod model; qubit k is the k-th variable, state 1 is x = 1 (dimod: s = +1).
     """
-    info = _need("qiskit.quantum_info", "qiskit operators", "qiskit")
+    info = load("qiskit.quantum_info", "qiskit operators")
     listed = [("Z" * len(qubits), list(qubits), value) for value, qubits in terms(bqm)]
     return info.SparsePauliOp.from_sparse_list(listed, num_qubits=bqm.num_variables)
 
@@ -70,8 +69,8 @@ def circuit_of(circuit: Circuit, angles: Any = ()) -> Any:
     angles
         One a searched rotation: numbers, or a ParameterVector.
     """
-    qiskit = _need("qiskit", "qiskit circuits", "qiskit")
-    library = _need("qiskit.circuit.library", "qiskit circuits", "qiskit")
+    qiskit = load("qiskit", "qiskit circuits")
+    library = load("qiskit.circuit.library", "qiskit circuits")
     made = qiskit.QuantumCircuit(circuit.qubits)
     for gate, angle in circuit.turned(angles):
         turn = getattr(library, CLASSES[gate.name])(*([angle] if gate.name in TURNING else []))
@@ -104,7 +103,7 @@ class _Aer(StateEngine):
     def __init__(self, circuit: Circuit, options: dict[str, Any]) -> None:
         super().__init__(circuit)
         options = _threaded(options, circuit.qubits)
-        aer = _need("qiskit_aer", "device aer", "qiskit")
+        aer = load("qiskit_aer", "device aer")
         self._simulator = aer.AerSimulator(
             **({"method": "statevector", "enable_truncation": False} | options)
         )
@@ -129,7 +128,7 @@ class _MixedAer(StateEngine):
 
     def __init__(self, circuit: Circuit, options: Options, own: dict[str, Any]) -> None:
         super().__init__(circuit)
-        aer = _need("qiskit_aer", "device aer", "qiskit")
+        aer = load("qiskit_aer", "device aer")
         self._simulator = aer.AerSimulator(
             **_threaded(options.device_options, 2 * circuit.qubits)
             | {"method": "density_matrix", "enable_truncation": False}
@@ -160,7 +159,7 @@ def _noise_of(options: Options) -> Any:
     model = options.device_options.get("noise_model")
     if model is None:
         return None
-    noise = _need("qiskit_aer.noise", "device aer", "qiskit").NoiseModel
+    noise = load("qiskit_aer.noise", "device aer").NoiseModel
     if not isinstance(model, noise):
         raise InputError(
             f"{model!r} is not a noise model of Aer",
@@ -219,7 +218,6 @@ class _Qiskit(VariationalSampler):
     """
 
     sdk = "qiskit"
-    extra = "qiskit"
     own: ClassVar[dict[str, Parameter]] = {
         "mode": Parameter("any"),
         "optimization_level": Parameter("whole", 0, 3, optional=False),
@@ -227,7 +225,7 @@ class _Qiskit(VariationalSampler):
 
     def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
-        _need("qiskit", f"backend {self.name}", self.extra)
+        load("qiskit", f"backend {self.name}")
         mode = own.get("mode")
         if mode is not None or _device(options) == "statevector":
             options.refuse_device_options("a mode" if mode is not None else "device statevector")
@@ -237,7 +235,7 @@ class _Qiskit(VariationalSampler):
         device = _device(options)
         if device in LOCAL:
             if device == "aer":
-                _need("qiskit_aer", "device aer", "qiskit")
+                load("qiskit_aer", "device aer")
             room(qubits, f"device {device}")
             if device == "aer":
                 _noise_of(options)
@@ -245,7 +243,7 @@ class _Qiskit(VariationalSampler):
                     _check_exact(qubits, options)
             return True
         if isinstance(device, str) and device.partition(":")[0] == "ibm":
-            _need("qiskit_ibm_runtime", f"device {device}", "ibm")
+            load("qiskit_ibm_runtime", f"device {device}")
             return False
         raise InputError(
             f"{device!r} is not a device",
@@ -270,8 +268,8 @@ class _Qiskit(VariationalSampler):
         elif options.shots is None:
             made = _Aer(ansatz.circuit, options.device_options)
         else:
-            aer = _need("qiskit_aer", "device aer", "qiskit")
-            primitives = _need("qiskit_aer.primitives", "device aer", "qiskit")
+            aer = load("qiskit_aer", "device aer")
+            primitives = load("qiskit_aer.primitives", "device aer")
             given = _threaded(options.device_options, ansatz.circuit.qubits)
             simulator = aer.AerSimulator(**given)
             sampler = primitives.SamplerV2(seed=options.seed, options={"backend_options": given})
@@ -308,14 +306,7 @@ def _device(options: Options) -> Any:
     """Return the device: many times faster than Qiskit's own state from 14 qubits on, so Aer."""
     if options.device is not None:
         return options.device
-    return "aer" if importlib.util.find_spec("qiskit_aer") is not None else "statevector"
-
-
-def _need(module: str, what: str, extra: str) -> Any:
-    try:
-        return importlib.import_module(module)
-    except ImportError:
-        raise MissingExtraError(what, extra) from None
+    return "aer" if is_installed("qiskit_aer") else "statevector"
 
 
 def _threaded(options: dict[str, Any], qubits: int) -> dict[str, Any]:

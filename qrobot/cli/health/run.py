@@ -99,12 +99,12 @@ def run(
     """
     from qrobot.cli.health.listing import listing
     from qrobot.cli.health.show import show_report
+    from qrobot.cli.signals import exit_on_signals
     from qrobot.errors import InputError
     from qrobot.health import Limits, choose, make_report, read_report, system_findings
     from qrobot.health.record import Clockwork
     from qrobot.health.reports import compare, document, save
     from qrobot.health.schema import schema_text
-    from qrobot.health.signals import exit_on_signals
     from qrobot.report.outputs import check_outputs
 
     if schema:

@@ -12,10 +12,9 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
-__all__ = ["Machine"]
+from qrobot._machine import read_system_file, usable_cores
 
-MOST = 2**18
-"""Bytes that are read of one file; those of /proc that matter are far smaller."""
+__all__ = ["Machine"]
 
 AT_HWCAP = 16
 """From linux/auxvec.h."""
@@ -28,12 +27,6 @@ def _auxiliary(kind: int) -> int:
         getauxval.argtypes, getauxval.restype = [ctypes.c_ulong], ctypes.c_ulong
         return int(getauxval(kind))
     return 0
-
-
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _libc() -> str:
@@ -85,15 +78,13 @@ class Machine:
     python: tuple[int, int, int] = sys.version_info[:3]
     implementation: str = platform.python_implementation()
     libc: str = field(default_factory=_libc)
-    cores: int = field(default_factory=_cores)
+    cores: int = field(default_factory=usable_cores)
     folder: Path = field(default_factory=_folder)
     now: datetime = field(default_factory=lambda: datetime.now(UTC))
 
     def text(self, path: str) -> str | None:
         """Return what a file below the root holds, None when it cannot be read."""
-        with suppress(OSError, ValueError), (self.root / path).open("rb") as file:
-            return file.read(MOST).decode(errors="replace").replace("\0", "").strip()
-        return None
+        return read_system_file(self.root / path)
 
     def number(self, path: str) -> int | None:
         """Return the whole number that a file holds."""

@@ -9,6 +9,7 @@ from contextlib import suppress
 
 import psutil
 
+from qrobot._machine import container_memory
 from qrobot.health.model import Finding
 from qrobot.health.system.machine import Machine
 
@@ -28,35 +29,15 @@ def memory(machine: Machine) -> Iterator[Finding]:
     """Find out about memory and disk."""
     sizes = _sizes(machine.text("proc/meminfo") or "")
     total, available = sizes.get("MemTotal"), sizes.get("MemAvailable")
-    limit, used = _container(machine)
-    limited = total is not None and limit is not None and limit < total
+    limit, used = container_memory(machine.root)
+    limited = total is not None and limit is not None and limit // 2**20 < total
     if limited and limit is not None:
-        total, available = limit, min(available or limit, max(0, limit - used))
+        total = limit // 2**20
+        available = min(available or total, max(0, limit - used) // 2**20)
     yield _total(total, " by the container's limit" if limited else "")
     yield _available(available)
     yield _swap(sizes.get("SwapTotal"), sizes.get("SwapFree"), total)
     yield _disk(machine)
-
-
-CGROUPS = (
-    ("sys/fs/cgroup/memory.max", "sys/fs/cgroup/memory.current",
-     "sys/fs/cgroup/memory.stat", "inactive_file"),
-    ("sys/fs/cgroup/memory/memory.limit_in_bytes", "sys/fs/cgroup/memory/memory.usage_in_bytes",
-     "sys/fs/cgroup/memory/memory.stat", "total_inactive_file"),
-)  # fmt: skip
-"""Version 2 and version 1: the limit (``max`` without one), the use, and the part of the use that
-is a cache of files, which the kernel gives back before anything is killed."""
-
-
-def _container(machine: Machine) -> tuple[int | None, int]:
-    """Return the container's limit and what programs hold of it, in MiB."""
-    for most, now, statistics, cache in CGROUPS:
-        limit, used = machine.number(most), machine.number(now) or 0
-        if limit is not None:
-            text = machine.text(statistics) or ""
-            found = re.search(rf"^{cache} (\d{{1,18}})$", text, re.MULTILINE)
-            return limit // 2**20, max(0, used - (int(found[1]) if found else 0)) // 2**20
-    return None, 0
 
 
 def _sizes(text: str) -> dict[str, int]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import http.client
-import importlib.util
 import os
 import queue
 import subprocess
@@ -15,6 +14,7 @@ import urllib.request
 from contextlib import suppress
 from pathlib import Path
 
+from qrobot._extras import is_installed
 from qrobot.health.model import Finding
 from qrobot.health.system.endpoints import SERVICES
 
@@ -61,11 +61,7 @@ def _name(service: str) -> str:
 def _finding(service: str, patience: float) -> Finding:
     title, module, _ = SERVICES[service]
     about = (_name(service), title)
-    try:
-        installed = importlib.util.find_spec(module) is not None
-    except (ImportError, ValueError):
-        installed = False
-    if not installed:
+    if not is_installed(module):
         return Finding(*about, "unknown", None, "its SDK is not installed", steady=False)
     url = _address(service)
     if not url:

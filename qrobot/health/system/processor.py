@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
+from qrobot._machine import read_cpuinfo
 from qrobot.health.model import Finding
 from qrobot.health.system.machine import Machine
 
@@ -28,7 +28,7 @@ X86 = ("sse4_2", "avx", "f16c", "fma", "avx2", "avx512f")
 
 def processor(machine: Machine) -> Iterator[Finding]:
     """Find out about the processor."""
-    about = machine.text("proc/cpuinfo") or ""
+    about = read_cpuinfo(machine.root)
     yield _architecture(machine)
     yield _bits(machine)
     yield _model(machine, about)
@@ -61,12 +61,7 @@ def _bits(machine: Machine) -> Finding:
     return Finding(*about, "fault", machine.bits, text, "bits")
 
 
-def _entry(about: str, name: str) -> str:
-    found = re.search(rf"^{re.escape(name)}\s*:[ \t]*(.*)$", about, re.MULTILINE)
-    return found[1].strip() if found else ""
-
-
-def _foreign(machine: Machine, about: str) -> bool:
+def _foreign(machine: Machine, about: dict[str, str]) -> bool:
     """Return whether /proc/cpuinfo is of another kind of processor: the emulator's host."""
     intel, arm = "vendor_id" in about, "CPU implementer" in about
     if machine.architecture == "aarch64":
@@ -74,13 +69,13 @@ def _foreign(machine: Machine, about: str) -> bool:
     return machine.architecture == "x86_64" and arm and not intel
 
 
-def _model(machine: Machine, about: str) -> Finding:
+def _model(machine: Machine, about: dict[str, str]) -> Finding:
     if _foreign(machine, about):
         text = "/proc/cpuinfo is the host's, not that of the emulated processor"
         return Finding("cpu", "Processor", "unknown", None, text)
-    name = _entry(about, "model name")
-    if not name and (part := _entry(about, "CPU part")):
-        arm = _entry(about, "CPU implementer") in ("0x41", "")
+    name = about.get("model name", "")
+    if not name and (part := about.get("CPU part", "")):
+        arm = about.get("CPU implementer", "") in ("0x41", "")
         name = PARTS.get(part, f"part {part}") if arm else f"part {part}"
     text = f"{machine.cores} of its cores may be used"
     if not name:
@@ -88,7 +83,7 @@ def _model(machine: Machine, about: str) -> Finding:
     return Finding("cpu", "Processor", "good", name, text)
 
 
-def _features(machine: Machine, about: str) -> Finding:
+def _features(machine: Machine, about: dict[str, str]) -> Finding:
     words = ("cpu-features", "Instructions")
     if machine.architecture == "aarch64" and machine.bits == 64:
         if not machine.hwcap:
@@ -102,7 +97,7 @@ def _features(machine: Machine, about: str) -> Finding:
             )
         return Finding(*words, "good", found, text)
     if machine.architecture == "x86_64":
-        flags = set(_entry(about, "flags").split())
+        flags = set(about.get("flags", "").split())
         if not flags:
             return Finding(*words, "unknown", None, "/proc/cpuinfo lists none")
         found = tuple(name for name in X86 if name in flags)
@@ -123,7 +118,7 @@ def _page(machine: Machine) -> Finding:
     return Finding(*about, "warning", size, text, "bytes")
 
 
-def _emulation(machine: Machine, about: str) -> Finding:
+def _emulation(machine: Machine, about: dict[str, str]) -> Finding:
     words = ("emulation", "Emulation")
     kernel = machine.text("proc/sys/kernel/arch")  # Linux 6.1: not rewritten by an emulator
     # qemu-user shows its guest a /proc/self of its own making, but not this view of it.
@@ -140,7 +135,7 @@ def _emulation(machine: Machine, about: str) -> Finding:
         )
     ).lower()  # fmt: skip
     virtual = ("qemu", "kvm", "dummy-virt", "vmware", "virtualbox", "xen", "virtual machine")
-    if any(name in maker for name in virtual) or "hypervisor" in _entry(about, "flags").split():
+    if any(name in maker for name in virtual) or "hypervisor" in about.get("flags", "").split():
         return Finding(*words, "good", "virtual machine", "times depend on what it shares")
     if not about and not maker.strip():
         return Finding(*words, "unknown", None, "/proc and /sys tell nothing")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from typing import Any
 
-from qrobot.errors import MissingExtraError
+from qrobot._extras import load
 
 __all__ = ["lp_name", "lp_text"]
 
@@ -34,14 +34,11 @@ def lp_text(model: Any) -> str:
     MissingExtraError
         When docplex is not installed.
     """
-    try:
-        from docplex.mp.lp_printer import LPModelPrinter
-    except ImportError:
-        raise MissingExtraError("an LP file", "docplex") from None
+    base: Any = load("docplex.mp.lp_printer", "an LP file").LPModelPrinter
 
     # By itself it would call x[1,0,2] just x3; renaming the variables, or a copy of the
     # model, makes docplex write to the terminal.
-    class Printer(LPModelPrinter):  # type: ignore[misc]
+    class Printer(base):  # type: ignore[misc]
         def fix_name(self, mobj: Any, *_: object) -> str:
             return lp_name(str(mobj.name))
 

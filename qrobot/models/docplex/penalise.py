@@ -10,7 +10,8 @@ from typing import Any
 
 import dimod
 
-from qrobot.errors import InputError, MissingExtraError
+from qrobot._extras import load
+from qrobot.errors import InputError
 from qrobot.models.penalties import Penalties
 
 __all__ = ["bqm_from_docplex"]
@@ -52,14 +53,11 @@ def bqm_from_docplex(model: Any, penalties: Penalties) -> dimod.BinaryQuadraticM
     MissingExtraError
         When qiskit-optimization is not installed.
     """
-    try:
-        from qiskit_optimization.translators import from_docplex_mp
-    except ImportError:
-        raise MissingExtraError("the penalty form of a docplex model", "docplex") from None
+    translators = load("qiskit_optimization.translators", "the penalty form of a docplex model")
     with warnings.catch_warnings():
         # A capacity without weights and slack is 0 = M: a constant of the energy.
         warnings.filterwarnings("ignore", "Trivial constraint")
-        program = from_docplex_mp(model)
+        program = translators.from_docplex_mp(model)
     families = _families(program)
     if penalties.detour and "detour" not in families and program.get_num_vars():
         raise InputError(

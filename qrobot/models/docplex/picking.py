@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from itertools import combinations, permutations
 from typing import Any, Literal
 
-from qrobot.errors import InputError, MissingExtraError
+from qrobot._extras import load
+from qrobot.errors import InputError
 from qrobot.models.fleet import Fleet, fleet_of
 from qrobot.models.layout import MAX_VARIABLES
 from qrobot.models.penalties import Penalties
@@ -89,10 +90,7 @@ def picking_docplex(
             field="orders",
             mend="plan fewer items at a time, or split the orders",
         )
-    try:
-        from docplex.mp.model import Model
-    except ImportError:
-        raise MissingExtraError("a docplex model", "docplex") from None
+    Model = load("docplex.mp.model", "a docplex model").Model
     name = re.sub(r"[^A-Za-z0-9.-]+", "-", instance.name)[:80]  # goes into a comment of the LP
     model = Model(f"qrobot-{name}", checker="off")
     _Writer(model, instance, fleet, full=encoding == "full").write(slack, detours)

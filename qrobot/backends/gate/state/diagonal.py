@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats, Reals
+from qrobot._machine import available_memory
 from qrobot.backends.gate import analytic, memory
 from qrobot.backends.gate.form import Form, bits_of, diagonal
 from qrobot.backends.gate.state.engine import make_engine
@@ -92,7 +93,7 @@ class DiagonalQAOA:
     def _require(self, arrays: int, what: str) -> None:
         size = arrays * self.dtype.itemsize * 2**self.qubits
         mend = "use a smaller model"
-        if self.dtype == np.float64 and size // 2 <= memory.available():
+        if self.dtype == np.float64 and size // 2 <= available_memory():
             mend = "use precision 'single'"
         memory.require(size, f"holding {what} of {self.qubits} qubits", mend, qubits=self.qubits)
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from typing import Protocol
 
 from qrobot._arrays import Floats, Reals
+from qrobot._extras import missing
+from qrobot._machine import usable_cores
 from qrobot.backends.gate.state import jit
-from qrobot.errors import InputError, MissingExtraError
+from qrobot.errors import InputError
 
 __all__ = ["ENGINES", "Engine", "Floats", "Reals", "make_engine", "thread_count"]
 
@@ -64,7 +65,7 @@ def thread_count(threads: int | None) -> int:
         When the number is not positive.
     """
     if threads is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+        return usable_cores()
     if threads < 1:
         raise InputError(f"{threads} threads are too few", field="threads", mend="use 1 or more")
     return threads
@@ -95,7 +96,7 @@ def make_engine(name: str = "auto", threads: int | None = 1, qubits: int = 64) -
         )
     count = thread_count(threads)
     if name == "numba" and not jit.available():
-        raise MissingExtraError("engine numba", "braket")
+        raise missing("engine numba", "numba")
     if name == "numba" or (name == "auto" and qubits >= SMALL and jit.available()):
         from qrobot.backends.gate.state.compiled import CompiledEngine
 

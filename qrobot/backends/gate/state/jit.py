@@ -10,13 +10,14 @@ nothing is cached. A folder named by NUMBA_CACHE_DIR is taken as it is.
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import stat
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from qrobot._extras import is_installed
 
 __all__ = ["available", "compile_kernel", "private_folder"]
 
@@ -34,7 +35,7 @@ caching = True
 
 def available() -> bool:
     """Return whether numba is installed, without importing it."""
-    return importlib.util.find_spec("numba") is not None
+    return is_installed("numba")
 
 
 def compile_kernel(function: Callable[..., Any], *, sums: bool = False) -> Callable[..., Any]:
