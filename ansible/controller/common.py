@@ -1,4 +1,8 @@
-"""What the controller's programs share: one sentence an error, whole files, one at a time."""
+"""What the controller's programs share: one sentence an error, whole files, one at a time.
+
+They run as files of this folder, by a Python that has qRobot (`make install`), or with the checkout
+on PYTHONPATH, as the playbooks do it.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +16,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[2]
-# The checkout's own package and docker/lock.py, also where only packaging is installed.
-sys.path += [str(ROOT), str(ROOT / "docker")]
+from qrobot.errors import QRobotError
 
-from qrobot.errors import QRobotError  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def say(text: str) -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from common import read_json
-from lock import pins
 from packaging.version import InvalidVersion, Version
 
+from docker.lock import pins
 from qrobot import __version__
 from qrobot._text import count
 from qrobot.errors import InputError

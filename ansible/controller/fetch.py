@@ -15,9 +15,9 @@ from functools import cache
 from pathlib import Path
 
 from common import ROOT, say, sha256
-from lock import Pin, pins
 from store import File, Store
 
+from docker.lock import Pin, pins
 from qrobot.errors import BackendError, RemoteError
 
 SOURCE_ONLY = frozenset({"docplex", "fastdtw"})  # as in locks/compile.sh; both pure Python

@@ -11,10 +11,10 @@ from functools import cached_property
 from pathlib import Path
 
 from common import read_json, say, sha256, write_json
-from lock import Pin
 from packaging.tags import Tag, compatible_tags, cpython_tags
 from packaging.utils import InvalidWheelFilename, parse_wheel_filename
 
+from docker.lock import Pin
 from qrobot.errors import RemoteError
 
 # glibc 2.28 is what the locks are tested with; Debian bookworm has 2.36.

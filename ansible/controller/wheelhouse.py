@@ -22,10 +22,10 @@ from typing import Any
 import instructions
 from common import ROOT, alone, read_json, run, say, sha256, write_json
 from fetch import fetch, line, own_wheel
-from lock import Pin, pins
 from packaging.utils import InvalidWheelFilename, parse_wheel_filename
 from store import File, Store, Target
 
+from docker.lock import Pin, pins
 from qrobot.errors import BackendError, InputError
 
 LOCKS = {"solver": "solver.txt", "edge": "edge.txt", "lab": "full.txt"}

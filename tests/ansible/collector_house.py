@@ -94,7 +94,7 @@ class House:
 
     def start(self, *words: str, own: bool = False, **env: str) -> subprocess.Popen[str]:
         clean = {key: value for key, value in os.environ.items() if not key.startswith("PIP_")}
-        clean |= {"PIP_CONFIG_FILE": os.devnull, "PIP_NO_CACHE_DIR": "1"}
+        clean |= {"PIP_CONFIG_FILE": os.devnull, "PIP_NO_CACHE_DIR": "1", "PYTHONPATH": str(ROOT)}
         here = {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(self.index)}
         given = [] if own else ["--wheel", str(self.own)]
         return subprocess.Popen(

@@ -69,6 +69,10 @@ SEVERAL = ("console", "cgroup_enable", "cgroup_disable")
 """Names that the kernel takes several times, with one value each."""
 
 
+class FaultError(Exception):
+    """Something that stops the module; the text is one sentence with the mend."""
+
+
 def cmdline_with(text, words, present=True):
     """Return a kernel command line that has the words, or has them no more.
 
@@ -153,6 +157,50 @@ def replace(path, data):
         os.sync()
 
 
+def of_cmdline(folder, words, present):
+    """Return what changes in cmdline.txt: its path, its text and the new one; None for nothing.
+
+    A file that says the same is left, however its spaces are.
+    """
+    path = folder / "cmdline.txt"
+    if not path.exists():
+        return None  # only config.txt makes a boot partition
+    text = read(path)
+    if not text.strip():
+        raise FaultError(f"{path} is empty: restore it from {path}.before-qrobot or the image")
+    new = cmdline_with(text, words if present else own(words, path), present)
+    return None if new.split() == text.split() else (path, text, new)
+
+
+def of_config(folder, lines, present):
+    """Return what changes in config.txt, as C(of_cmdline) does."""
+    path = folder / "config.txt"
+    text = read(path)
+    new = config_with(text, lines, present)
+    return None if new == text else (path, text, new)
+
+
+def read(path):
+    try:
+        return path.read_bytes().decode("utf-8", errors="surrogateescape")
+    except OSError as error:
+        raise FaultError(f"{path}: {error.strerror}: mount the boot partition there") from None
+
+
+def apply(changes, copies):
+    """Write the files that change, and remove the copies that are needed no more."""
+    for path, _, new in changes:
+        try:
+            write(path, new)
+        except OSError as error:
+            raise FaultError(f"{path}: {error.strerror}; the file is as it was") from None
+    for path in copies:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise FaultError(f"{path}: {error.strerror}: remove it") from None
+
+
 def main():
     module = AnsibleModule(
         argument_spec={
@@ -165,50 +213,25 @@ def main():
     )
     given = module.params
     folder = Path(given["folder"])
-    present = given["state"] == "present"
     for word in given["cmdline"]:
         if not word or re.search(r"\s", word):
-            module.fail_json(msg=f"cmdline: {word!r} is no single word: give each word by itself")
+            module.fail_json(msg=f"cmdline: {word!r} is not one word: give each word by itself")
+    present = given["state"] == "present"
     copies = [] if present else [backup(folder / name) for name in ("cmdline.txt", "config.txt")]
     stale = any(path.exists() for path in copies)
-    changes, diff = [], []
-    for name, change, asked in (
-        ("cmdline.txt", cmdline_with, given["cmdline"]),
-        ("config.txt", config_with, given["config"]),
-    ):
-        path = folder / name
-        try:
-            text = path.read_bytes().decode("utf-8", errors="surrogateescape")
-        except OSError as error:
-            if name == "cmdline.txt" and isinstance(error, FileNotFoundError):
-                continue  # only config.txt makes a boot partition
-            module.fail_json(msg=f"{path}: {error.strerror}: mount the boot partition there")
-        wanted = asked if present or name == "config.txt" else own(asked, path)
-        # A file that says the same is left, however its spaces are.
-        new = change(text, wanted, present)
-        same = new.split() == text.split() if name == "cmdline.txt" else new == text
-        if name == "cmdline.txt" and not text.strip():
-            module.fail_json(
-                msg=f"{path} is empty: restore it from {path}.before-qrobot or the image"
-            )
-        if same:
-            continue
-        changes.append((path, new))
-        diff.append(
-            {"before_header": str(path), "after_header": str(path), "before": text, "after": new}
-        )
-    if not module.check_mode:
-        for path, new in changes:
-            try:
-                write(path, new)
-            except OSError as error:
-                module.fail_json(msg=f"{path}: {error.strerror}; the file is as it was")
-        for path in copies:
-            try:
-                path.unlink(missing_ok=True)
-            except OSError as error:
-                module.fail_json(msg=f"{path}: {error.strerror}: remove it")
-    names = [path.name for path, _ in changes]
+    try:
+        changes = [change for change in (of_cmdline(folder, given["cmdline"], present),
+                                         of_config(folder, given["config"], present))
+                   if change]  # fmt: skip
+        if not module.check_mode:
+            apply(changes, copies)
+    except FaultError as fault:
+        module.fail_json(msg=str(fault))
+    diff = [
+        {"before_header": str(path), "after_header": str(path), "before": text, "after": new}
+        for path, text, new in changes
+    ]
+    names = [path.name for path, _, _ in changes]
     module.exit_json(changed=stale or bool(changes), files=names, diff=diff)
 
 
