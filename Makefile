@@ -173,7 +173,7 @@ test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind
 
 test-virtual-pi: $(stamp)-provision ## prove the playbooks on the virtual Pi (hours): STEPS="bare provision again"
 	$(pip) install --require-hashes --requirement locks/build.txt
-	$(bin)/python ansible/virtual-pi/prove.py $(STEPS)
+	PYTHONPATH=tests $(bin)/python -m virtual_pi.prove $(STEPS)
 
 dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
 	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist

@@ -13,14 +13,13 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import uuid
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from machine_proxy import serve
+from processes import HANG, until
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -55,7 +54,6 @@ class Run:
     code: int
     text: str
     counts: dict[str, int]
-    seconds: float
 
     @property
     def changed(self) -> int:
@@ -122,7 +120,7 @@ class Machine:
                 ["sh", "-c", enter, "sh", *command], stdout=log, stderr=log,
                 stdin=subprocess.DEVNULL, start_new_session=True,
             )  # fmt: skip
-        until(self._up, 90, f"systemd and sshd, see {self.log}")
+        until(self._up, f"systemd and sshd do not come up, see {self.log}")
 
     def cut(self) -> None:
         """Cut its power: nothing of it answers any more, not even that a connection has ended."""
@@ -137,7 +135,7 @@ class Machine:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
         subprocess.run(["ip", "netns", "delete", self.name], check=True)
-        until(lambda: emptied(self.group), 20, "an empty control group")
+        until(lambda: emptied(self.group), "the control group does not become empty")
 
     def _lay_over(self) -> None:
         """Write what makes the bare system this machine: its keys, and its boot partition."""
@@ -184,7 +182,7 @@ class Machine:
             ["ssh", "-q", "-o", f"UserKnownHostsFile={self.folder}/known_hosts",
              "-o", "BatchMode=yes", "-o", "ConnectTimeout=5", "-o", "IdentitiesOnly=yes",
              "-i", self.folder / "key", "-p", str(port), f"pi@{self.address}", command],
-            input=stdin, capture_output=True, text=True, check=False, timeout=300,
+            input=stdin, capture_output=True, text=True, check=False, timeout=HANG,
         )  # fmt: skip
         assert not check or done.returncode == 0, (command, done.stdout, done.stderr)
         return done
@@ -232,18 +230,16 @@ def playbook(
     }
     times = folder / "times.json"
     times.unlink(missing_ok=True)
-    begin = time.monotonic()
     done = subprocess.run(
         [program("ansible-playbook"), "--inventory", folder / "inventory.ini",
          "--extra-vars", json.dumps(settings), *options, PLAYBOOKS / name],
         env=os.environ | {"ANSIBLE_CONFIG": str(PLAYBOOKS / "ansible.cfg"), "NO_COLOR": "1",
                           "ANSIBLE_NOCOLOR": "1", "QROBOT_TIMES": str(times), "COLUMNS": "400"},
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900, check=False,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=HANG, check=False,
     )  # fmt: skip
     hosts = json.loads(times.read_text())["hosts"] if times.exists() else {}
     empty = {"ok": 0, "changed": 0, "failures": 0, "unreachable": 0}
-    seconds = time.monotonic() - begin
-    return Run(done.returncode, done.stdout, hosts.get(NAME, empty), seconds)
+    return Run(done.returncode, done.stdout, hosts.get(NAME, empty))
 
 
 def group_of_groups() -> Path:
@@ -263,12 +259,3 @@ def emptied(group: Path) -> bool:
     except OSError:
         return False
     return True
-
-
-def until(ready: Callable[[], bool], seconds: float, what: str) -> None:
-    """Wait for something that a machine does."""
-    end = time.monotonic() + seconds
-    while not ready():
-        if time.monotonic() > end:
-            raise TimeoutError(f"waited {seconds:.0f} s for {what}")
-        time.sleep(0.2)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from machine import PLAYBOOKS, Machine, program
+from processes import HANG, until
 
 LIMITS = {
     "ANSIBLE_SSH_ARGS": "-o ControlMaster=auto -o ControlPersist=60s"
@@ -66,8 +67,12 @@ def run(machine: Machine) -> Iterator[subprocess.Popen[str]]:
         env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )  # fmt: skip
     try:
-        begun = "for i in $(seq 600); do [ -e /run/job-began ] && exit; sleep 0.1; done; exit 1"
-        machine.root(begun)
+        until(
+            lambda: (
+                machine.ssh("test -e /run/job-began").returncode == 0 or child.poll() is not None
+            ),
+            "the long task begins",
+        )
         yield child
     finally:
         child.kill()
@@ -76,7 +81,7 @@ def run(machine: Machine) -> Iterator[subprocess.Popen[str]]:
 
 def ended(child: subprocess.Popen[str]) -> str:
     """What a run said that ends by itself, long before the task would."""
-    text, _ = child.communicate(timeout=240)
+    text, _ = child.communicate(timeout=HANG)
     return text
 
 

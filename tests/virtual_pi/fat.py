@@ -66,7 +66,7 @@ def cuts(
     folder
         For the disk that is looked at.
     """
-    chance = random.Random(0)  # noqa: S311 which parts are looked at, no secret
+    chance = random.Random(0)
     looked, lost = 0, []
     image = folder / "fat.img"
     for forced, run in zip((False, True), runs, strict=True):

@@ -9,6 +9,7 @@ import os
 import re
 import shlex
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -19,9 +20,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import fat
-from rfb import first_frame
-from wheels import build, rewritten
+from processes import until
+from virtual_pi import fat
+from virtual_pi.rfb import first_frame
+from virtual_pi.wheels import build, rewritten
 
 COUNT = re.compile(r"(ok|changed|unreachable|failed|skipped)=(\d+)")
 SAMPLE = """
@@ -112,6 +114,12 @@ class Proof:
         self.path.write_text(json.dumps(self.data, indent=1) + "\n")
 
 
+def listens(port: int) -> bool:
+    """Tell whether something takes connections at a port of this computer's loopback."""
+    with socket.socket() as asked:
+        return asked.connect_ex(("127.0.0.1", port)) == 0
+
+
 class Machine:
     NEXT = "9.0.1"
     BROKEN = "9.0.2"
@@ -182,12 +190,7 @@ class Machine:
 
         def stop() -> list[str]:
             assert sampler.stdin is not None
-            sampler.stdin.close()
-            time.sleep(2)
-            os.killpg(sampler.pid, signal.SIGTERM)
-            assert sampler.stdout is not None
-            seen = sampler.stdout.read()
-            sampler.wait()
+            seen, _ = sampler.communicate()  # it ends when its input does
             return sorted(set(seen.split("\n")) - {""})
 
         return stop
@@ -202,7 +205,7 @@ class Machine:
 
     def fat_cuts(self, module: str, files: dict[str, list[str]]) -> tuple[int, list[str]]:
         """Cut the power of a FAT disk of the machine's while the module replaces files (fat.py)."""
-        guest = (self.root / "ansible/virtual-pi/fat_guest.py").read_text()
+        guest = Path(__file__).with_name("fat_guest.py").read_text()
         begin = fat.disk(files, self.folder)
         image = base64.b64encode(zlib.compress(begin)).decode()
         told = subprocess.run(
@@ -219,7 +222,7 @@ class Machine:
         command = [self.script, "ssh", "-N", "-L", f"127.0.0.1:{here}:127.0.0.1:{port}"]
         child = subprocess.Popen(command, env=self.environment, start_new_session=True)
         try:
-            time.sleep(8)
+            until(lambda: listens(here) or child.poll() is not None, "a tunnel")
             yield here
         finally:
             os.killpg(child.pid, signal.SIGTERM)
@@ -234,12 +237,13 @@ class Machine:
 
     def frame(self) -> dict[str, Any]:
         frame: dict[str, Any] = {"colours": 0}
-        for _ in range(7):  # emulated, wayvnc and the terminal on it take seconds to start
+
+        def shown() -> bool:  # emulated, wayvnc and the terminal on it take seconds to start
             with self.tunnel(5900) as port, suppress(ConnectionError):
-                frame = first_frame("127.0.0.1", port, self.folder / "frame.png")
-            if frame["colours"] > 1:
-                break
-            time.sleep(10)
+                frame.update(first_frame("127.0.0.1", port, self.folder / "frame.png"))
+            return bool(frame["colours"] > 1)
+
+        until(shown, "a frame with a terminal on it")
         return frame
 
     # --- wheels ----------------------------------------------------------------------------------
@@ -296,7 +300,7 @@ class Machine:
         return Run(done.returncode, done.stdout, counts, seconds, told["roles"], told["slowest"])
 
     def cut_during(self, playbook: str, task: str, delay: float, *words: str) -> Reached:
-        """Play until a task has begun, wait, and cut the power."""
+        """Play until a task has begun, and cut the power at a moment after it, whatever it does."""
         child = subprocess.Popen(
             self._command(playbook, words), text=True, cwd=self.root, env=self.environment,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,

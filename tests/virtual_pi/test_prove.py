@@ -2,31 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from virtual_pi import prove
 
-FOLDER = Path(__file__).resolve().parents[2] / "ansible/virtual-pi"
-
-
-@pytest.fixture
-def prove(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    # Its neighbour machine.py has the name of one of our own.
-    stub = ModuleType("machine")
-    stub.Machine = stub.Proof = object  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "machine", stub)
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    spec = importlib.util.spec_from_file_location("prove", FOLDER / "prove.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+PLAYBOOKS = Path(__file__).resolve().parents[2] / "ansible"
 
 
 class Pi:
@@ -66,9 +50,7 @@ class Proof(dict[str, Any]):
 
 
 @pytest.mark.parametrize("first", [None, 30.0, 1042.0])
-def test_a_second_run_is_judged_by_its_changes_not_by_its_time(
-    prove: ModuleType, first: float | None
-) -> None:
+def test_a_second_run_is_judged_by_its_changes_not_by_its_time(first: float | None) -> None:
     proof = Proof(**({} if first is None else {"provision_seconds": first}))
     prove.again(Pi(seconds=900.0), proof)
     assert proof.failed == []
@@ -78,7 +60,7 @@ def test_a_second_run_is_judged_by_its_changes_not_by_its_time(
     assert proof.failed == ["second run", "check run after it"]
 
 
-def test_the_cuts_find_the_program_of_the_releases(prove: ModuleType) -> None:
+def test_the_cuts_find_the_program_of_the_releases() -> None:
     pi, proof = Pi(1.0), Proof()
     prove.cuts(pi, proof)
     assert proof.failed == []
@@ -88,17 +70,17 @@ def test_the_cuts_find_the_program_of_the_releases(prove: ModuleType) -> None:
 
 
 def test_no_step_calls_a_program_of_sbin_by_its_name_alone() -> None:
-    roles = FOLDER.parent / "roles"
+    roles = PLAYBOOKS / "roles"
     ours = set(re.findall(r"/usr/local/sbin/([\w-]+)", "".join(
         path.read_text() for path in roles.glob("*/tasks/*.yml"))))  # fmt: skip
     assert "qrobot-release" in ours
-    text = (FOLDER / "prove.py").read_text()
+    text = Path(prove.__file__).read_text()
     for name in ours:
         assert not re.search(rf"(?<!/usr/local/sbin/){re.escape(name)}\b", text), name
 
 
-def test_what_a_step_waits_for_is_a_task_of_the_playbooks(prove: ModuleType) -> None:
+def test_what_a_step_waits_for_is_a_task_of_the_playbooks() -> None:
     for task, _ in prove.MOMENTS:
         role, _, name = task.partition(" : ")
-        texts = [path.read_text() for path in (FOLDER.parent / "roles" / role).glob("*/*.yml")]
+        texts = [path.read_text() for path in (PLAYBOOKS / "roles" / role).glob("*/*.yml")]
         assert any(f"- name: {name}" in text for text in texts), task

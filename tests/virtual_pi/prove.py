@@ -1,6 +1,6 @@
 """Prove the playbooks on the virtual Pi: from a bare first boot to power cuts and back.
 
-Usage: python ansible/virtual-pi/prove.py [STEP ...]      (make test-virtual-pi STEPS="...")
+Usage: PYTHONPATH=tests python -m virtual_pi.prove [STEP ...]   (make test-virtual-pi STEPS="...")
 
 Each step writes what it measured into build/virtual-pi/proof.json; one that fails says why and
 the exit code is 1. Without names all run, in this sequence: bare, provision, again, sockets,
@@ -20,12 +20,9 @@ import time
 from pathlib import Path
 from secrets import token_hex
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-sys.path.insert(0, str(HERE))
+from virtual_pi.machine import Machine, Proof
 
-from machine import Machine, Proof  # noqa: E402
-
+ROOT = Path(__file__).resolve().parents[2]
 EMPTY = {"changed": 0, "failed": 0, "unreachable": 0}
 # A login that is not root's has no sbin on its path.
 RELEASES = "sudo /usr/local/sbin/qrobot-release"
@@ -96,7 +93,7 @@ def sockets(pi: Machine, proof: Proof) -> None:
 def boot_files(pi: Machine, proof: Proof) -> None:
     """Whatever part of a boot file's writing a power cut leaves, the old or the new is there."""
     files = {
-        name: [before := (HERE / name).read_text(), before + added]
+        name: [before := (ROOT / "ansible/virtual-pi" / name).read_text(), before + added]
         for name, added in (("cmdline.txt", ""), ("config.txt", "dtparam=watchdog=on\n"))
     }
     files["cmdline.txt"][1] = files["cmdline.txt"][0].rstrip() + " cgroup_enable=memory\n"
@@ -306,7 +303,7 @@ def main() -> int:
     given = parser.parse_args().steps or list(STEPS)
     unknown = [name for name in given if name not in STEPS]
     if unknown:
-        parser.error(f"no step {unknown[0]}: one of {', '.join(STEPS)}")
+        parser.error(f"'{unknown[0]}' is not a step; use one of {', '.join(STEPS)}")
     pi = Machine(ROOT, Path(os.environ.get("VPI_DIR", ROOT / "build/virtual-pi")))
     proof = Proof(pi.folder / "proof.json")
     for name in given:
@@ -314,8 +311,9 @@ def main() -> int:
         print(f"== {name}: {STEPS[name].__doc__}", flush=True)
         try:
             STEPS[name](pi, proof)
-        except subprocess.CalledProcessError as error:
-            proof.hold(f"{name} runs to its end", False, f"{error} {error.stderr or ''}")
+        except (subprocess.CalledProcessError, AssertionError) as error:
+            why = f"{error} {getattr(error, 'stderr', None) or ''}"
+            proof.hold(f"{name} runs to its end", False, why)
         print(f"== {name}: {time.monotonic() - begin:.0f} s", flush=True)
     print(f"{len(proof.failed)} failed; {proof.path}")
     for line in proof.failed:
