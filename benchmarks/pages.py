@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from qrobot.study.bench_faces import bench_markdown
+from qrobot.study.bench_report import bench_markdown
 
 HEAD = """# Benchmarks
 

@@ -61,7 +61,7 @@ def command(
     from qrobot.report.outputs import check_outputs
     from qrobot.report.picture import check_picture_path
     from qrobot.study.bench import BenchRow, find_instances, run_bench, tasks
-    from qrobot.study.bench_faces import bench_csv, bench_markdown, bench_plot
+    from qrobot.study.bench_report import bench_csv, bench_markdown, bench_plot
 
     if seeds < 1:
         raise InputError(f"{seeds} seeds are too few", field="--seeds", mend="give 1 or more")

@@ -19,7 +19,7 @@ from qrobot._processes import child_environment, python_command
 from qrobot.errors import InputError
 from qrobot.problem.checks import is_reference
 from qrobot.problem.formats.jsontext import loads
-from qrobot.report.machine import machine
+from qrobot.study.runner import Part, measured_here, run_parts
 
 __all__ = ["BENCH_SCHEMA", "BenchRow", "Task", "find_instances", "run_bench", "tasks"]
 
@@ -230,25 +230,21 @@ def run_bench(
     """
     report: dict[str, Any] = {
         "schema": BENCH_SCHEMA,
-        "machine": machine(),
-        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        **measured_here(),
         "runs": len(todo),
         "interrupted": False,
         "rows": [],
     }
-    try:
-        for row in _rows(todo):
-            report["rows"].append(asdict(row))
-            if save is not None:
-                write_text_atomic(save, json_text(report, indent=1) + "\n")
-            if on_row is not None:
-                on_row(len(report["rows"]), row)
-            if interrupted is not None and interrupted():
-                raise KeyboardInterrupt
-    except KeyboardInterrupt:
-        report["interrupted"] = True
+
+    def keep() -> None:
         if save is not None:
             write_text_atomic(save, json_text(report, indent=1) + "\n")
+
+    def tell(row: BenchRow) -> None:
+        if on_row is not None:
+            on_row(len(report["rows"]), row)
+
+    run_parts(report, [Part("rows", _rows(todo), asdict, tell)], keep, interrupted)
     return report
 
 

@@ -15,7 +15,7 @@ from processes import HANG
 from qrobot.errors import InputError
 from qrobot.study import bench
 from qrobot.study.bench import BenchRow, Task, find_instances, run_bench, tasks
-from qrobot.study.bench_faces import bench_csv, bench_markdown, bench_plot, summaries
+from qrobot.study.bench_report import bench_csv, bench_markdown, bench_plot, summaries
 from qrobot.study.bench_worker import run
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

@@ -1,19 +1,21 @@
-"""The faces of a benchmark report: CSV, Markdown, plot."""
+"""A benchmark report as CSV, Markdown and a plot."""
 
 from __future__ import annotations
 
-import csv
-import io
-import math
 import os
 import re
 import statistics
 from collections.abc import Sequence
 from typing import Any
 
-from qrobot._files import write_text_atomic
-from qrobot._numbers import number
-from qrobot.report.picture import save, style
+from qrobot.study.render import (
+    figure_text,
+    machine_text,
+    markdown_table,
+    percent,
+    plotted,
+    write_csv,
+)
 
 __all__ = ["bench_csv", "bench_markdown", "bench_plot", "summaries"]
 
@@ -27,11 +29,7 @@ EXACT = 1e-9
 
 def bench_csv(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
     """Write the rows as CSV."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(report["rows"])
-    write_text_atomic(path, text.getvalue())
+    write_csv(report["rows"], COLUMNS, path)
 
 
 def summaries(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -78,40 +76,42 @@ def _summary(rows: Sequence[dict[str, Any]], backend: str, part: str | None) -> 
 
 def bench_markdown(report: dict[str, Any], title: str, *, rows: bool = True) -> str:
     """Return the report as Markdown: the machine, a line a backend, and all rows."""
-    host = report["machine"]
-    packages = ", ".join(f"{name} {version}" for name, version in host["packages"].items())
+    heads = [
+        "backend", "runs", "plans", "proven", "at the reference", "mean gap", "worst gap",
+        "median s", "worst s", "peak MB",
+    ]  # fmt: skip
+    cells = [
+        [
+            s["backend"] + (f", set {s['set']}" if s["set"] else ""),
+            *(str(s[name]) for name in ("runs", "feasible", "proven")),
+            f"{s['matched']} of {s['referenced']}",
+            *(percent(s[name]) for name in ("mean_gap", "worst_gap")),
+            *(figure_text(s[name], 2) for name in ("median_seconds", "worst_seconds")),
+            figure_text(s["worst_peak_mb"], 0),
+        ]
+        for s in summaries(report["rows"])
+    ]
     lines = [
         f"## {title}",
         "",
-        f"{host['processor']}, {host['cores']} cores, {host['memory_gb']} GB; Python "
-        f"{host['python']}; qrobot {host['qrobot']}, {packages}; {report['started'][:10]}. "
-        "Seconds are `solve`'s own (imports and reading not included); memory is the whole "
-        "process.",
+        f"{machine_text(report)} Seconds are `solve`'s own (imports and reading not included); "
+        "memory is the whole process.",
         "",
-        "| backend | runs | plans | proven | at the reference | mean gap | worst gap "
-        "| median s | worst s | peak MB |",
-        "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
-    ]
-    lines += [
-        f"| {s['backend']}{', set ' + s['set'] if s['set'] else ''} | {s['runs']} "
-        f"| {s['feasible']} | {s['proven']} "
-        f"| {s['matched']} of {s['referenced']} | {_percent(s['mean_gap'])} "
-        f"| {_percent(s['worst_gap'])} | {_number(s['median_seconds'])} "
-        f"| {_number(s['worst_seconds'])} | {_number(s['worst_peak_mb'], 0)} |"
-        for s in summaries(report["rows"])
+        *markdown_table(heads, cells, left={0}),
     ]
     if rows:
-        lines += [
-            "",
-            "| instance | backend | seed | cost | bound | reference | gap | proven | s |",
-            "|---|---|--:|--:|--:|--:|--:|---|--:|",
-        ]
-        lines += [
-            f"| {r['instance']} | {r['backend']} | {r['seed']} | {_number(r['cost'])} "
-            f"| {_number(r['bound'])} | {_number(r['reference'])} | {_percent(r['gap'])} "
-            f"| {'yes' if r['proven'] else r['error'] or 'no'} | {_number(r['seconds'])} |"
+        heads = ["instance", "backend", "seed", "cost", "bound", "reference", "gap", "proven", "s"]
+        cells = [
+            [
+                *(str(r[name]) for name in ("instance", "backend", "seed")),
+                *(figure_text(r[name], 2) for name in ("cost", "bound", "reference")),
+                percent(r["gap"]),
+                "yes" if r["proven"] else r["error"] or "no",
+                figure_text(r["seconds"], 2),
+            ]
             for r in report["rows"]
         ]
+        lines += ["", *markdown_table(heads, cells, left={0, 1, 7})]
     return "\n".join(lines) + "\n"
 
 
@@ -123,19 +123,14 @@ def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
     MissingExtraError
         When matplotlib is not installed.
     """
-    with style():
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(8, 4.5), layout="constrained")
-        axes = figure.add_subplot()
-        found = [row for row in report["rows"] if row["cost"] is not None]
-        with_gap = any(row["gap"] is not None for row in found)
+    found = [row for row in report["rows"] if row["cost"] is not None]
+    with_gap = any(row["gap"] is not None for row in found)
+    shown = [row for row in found if row["gap"] is not None or not with_gap]
+    with plotted(path, (8, 4.5)) as (_, axes):
         for marker, backend in zip(
             "osD^vPX*" * 9, dict.fromkeys(row["backend"] for row in found), strict=False
         ):
-            own = [row for row in found if row["backend"] == backend]
-            if with_gap:
-                own = [row for row in own if row["gap"] is not None]
+            own = [row for row in shown if row["backend"] == backend]
             axes.plot(
                 [max(row["seconds"], 1e-3) for row in own],
                 [100 * row["gap"] if with_gap else row["cost"] for row in own],
@@ -146,15 +141,5 @@ def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
         axes.set_xscale("log")
         axes.set_xlabel("seconds of solve")
         axes.set_ylabel("gap to the reference, %" if with_gap else "distance")
-        axes.grid(alpha=0.3)
         if axes.get_lines():
             axes.legend()
-        save(figure, path)
-
-
-def _percent(value: float | None) -> str:
-    return "-" if value is None or not math.isfinite(value) else f"{100 * value:.2f} %"
-
-
-def _number(value: float | None, digits: int = 2) -> str:
-    return "-" if value is None or not math.isfinite(value) else number(round(value, digits))

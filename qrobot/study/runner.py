@@ -1,0 +1,74 @@
+"""The runner of every study: each result is kept as soon as it is there, and Ctrl-C ends it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from qrobot.report.machine import machine
+
+__all__ = ["Part", "measured_here", "run_parts"]
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Part(Generic[T]):
+    """One list of a report, and what fills it.
+
+    Parameters
+    ----------
+    name
+        Key of the list in the report.
+    results
+        What is measured, one by one.
+    plain
+        A result as plain data.
+    told
+        Called with each result when it is kept.
+    """
+
+    name: str
+    results: Iterable[T]
+    plain: Callable[[T], dict[str, Any]]
+    told: Callable[[T], None] | None = None
+
+
+def measured_here() -> dict[str, Any]:
+    """Return the machine and the time, as every report carries them."""
+    return {"machine": machine(), "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())}
+
+
+def run_parts(
+    report: dict[str, Any],
+    parts: Iterable[Part[Any]],
+    save: Callable[[], None],
+    interrupted: Callable[[], bool] | None = None,
+) -> None:
+    """Fill a report part by part; when it is interrupted, it keeps what it has and says so.
+
+    Parameters
+    ----------
+    report
+        With an empty list for each part.
+    parts
+        In their sequence.
+    save
+        Called after each result, and once more when the run is interrupted.
+    interrupted
+        Asked after each result; True ends the run as Ctrl-C does.
+    """
+    try:
+        for part in parts:
+            for result in part.results:
+                report[part.name].append(part.plain(result))
+                save()
+                if part.told is not None:
+                    part.told(result)
+                if interrupted is not None and interrupted():
+                    raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        report["interrupted"] = True
+        save()
