@@ -14,7 +14,7 @@ import numpy as np
 from qrobot.models import PickingModel
 from qrobot.problem import Instance
 from qrobot.study.reproduce.methods import METHODS
-from qrobot.study.reproduce.outcome import Line
+from qrobot.study.reproduce.outcome import Outcome
 from qrobot.study.reproduce.paper import PaperRow, paper_rows
 
 __all__ = ["blank", "done", "every_read", "row_of", "shortest"]
@@ -24,8 +24,10 @@ def row_of(table: int, items: int) -> PaperRow:
     return next(row for row in paper_rows(table) if row.items == items)
 
 
-def blank(row: PaperRow, method: str) -> Line:
-    return Line(row.table, row.items, row.robots, row.capacity, 0, method, METHODS[method].backend)
+def blank(row: PaperRow, method: str) -> Outcome:
+    return Outcome(
+        row.table, row.items, row.robots, row.capacity, 0, method, METHODS[method].backend
+    )
 
 
 def every_read(model: PickingModel) -> tuple[np.ndarray, np.ndarray]:

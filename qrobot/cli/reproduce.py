@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any
 
 import click
 
 from qrobot.cli.options import FILE, written
 from qrobot.cli.streams import say, say_json
-
-if TYPE_CHECKING:
-    from qrobot.study.reproduce.outcome import Line
 
 __all__ = ["command"]
 
@@ -65,20 +61,14 @@ def command(
     from qrobot.cli.signals import terminate_as_interrupt
     from qrobot.study.reproduce import Settings, reproduce
     from qrobot.study.reproduce.docs import check_page, fill_page
-    from qrobot.study.reproduce.told import figure_text, line_text, place_text, summary
-
-    def tell(line: Line) -> None:
-        say(line_text(line), err=True)
-
-    def show(figure: dict[str, Any]) -> None:
-        say(figure_text(figure), err=True)
+    from qrobot.study.reproduce.tables import drawn_text, place_text, result_text, summary
 
     output = output or "build/reproduce"
     if docs:
         check_page(docs)
 
-    def begin(line: Line) -> None:
-        say(f"{place_text(line)} ...", err=True)
+    def tell(text: str) -> None:
+        say(text, err=True)
 
     with terminate_as_interrupt() as interrupted:
         report = reproduce(
@@ -86,10 +76,10 @@ def command(
             output,
             Settings(reads, seed, rows, largest, large, quick),
             resume=resume,
-            on_start=begin,
-            on_line=tell,
+            on_start=lambda line: tell(f"{place_text(line)} ..."),
+            on_line=lambda line: tell(result_text(line)),
             interrupted=interrupted,
-            on_figure=show,
+            on_figure=lambda figure: tell(drawn_text(figure)),
         )
     if docs and not report["interrupted"]:
         fill_page(docs, output)

@@ -29,7 +29,7 @@ from qrobot.study.reproduce.instances import (
     table_instance,
 )
 from qrobot.study.reproduce.methods import methods_for
-from qrobot.study.reproduce.outcome import Line
+from qrobot.study.reproduce.outcome import Outcome
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,7 @@ def test_csv_and_json_say_the_same(quick: tuple[Path, dict[str, Any]]) -> None:
         own = [line for line in report["lines"] if line["table"] == table]
         assert len(back) == len(own)
         for cells, line in zip(back, own, strict=True):
-            assert set(cells) == {f.name for f in fields(Line)} - {"details"}
+            assert set(cells) == {f.name for f in fields(Outcome)} - {"details"}
             for name, text in cells.items():
                 value = line[name]
                 assert text == ("" if value is None else str(value))

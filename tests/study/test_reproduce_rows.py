@@ -20,7 +20,7 @@ from qrobot.models import build_model
 from qrobot.study.reproduce import Settings, reproduce
 from qrobot.study.reproduce.instances import FIGURE_WEIGHTS, penalty_model, table_instance
 from qrobot.study.reproduce.methods import METHODS, methods_for
-from qrobot.study.reproduce.outcome import Line
+from qrobot.study.reproduce.outcome import Outcome
 from qrobot.study.reproduce.paper import PaperRow, paper_rows
 from qrobot.study.reproduce.question import Question
 
@@ -168,9 +168,9 @@ def test_a_state_that_does_not_fit_is_refused_with_its_size(
 
 
 def test_an_interrupted_run_keeps_its_lines_and_can_be_resumed(tmp_path: Path) -> None:
-    seen: list[Line] = []
+    seen: list[Outcome] = []
 
-    def interrupt(line: Line) -> None:
+    def interrupt(line: Outcome) -> None:
         seen.append(line)
         if len(seen) == 2:
             raise KeyboardInterrupt
@@ -192,7 +192,7 @@ def test_an_interrupted_run_keeps_its_lines_and_can_be_resumed(tmp_path: Path) -
     with pytest.raises(InputError, match="another seed"):
         reproduce(["table2"], tmp_path, replace(settings, seed=8), resume=True)
     (tmp_path / "reproduce.json").write_text("{}")
-    with pytest.raises(InputError, match="no report of ours"):
+    with pytest.raises(InputError, match="not a report of ours"):
         reproduce(["table2"], tmp_path, settings, resume=True)
 
 

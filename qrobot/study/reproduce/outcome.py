@@ -14,7 +14,7 @@ import numpy as np
 from qrobot._arrays import Floats
 from qrobot.study.reproduce.question import Question, same
 
-__all__ = ["Clock", "Line", "judged"]
+__all__ = ["Clock", "Outcome", "judged"]
 
 
 class Clock:
@@ -32,7 +32,7 @@ class Clock:
 
 
 @dataclass(slots=True)
-class Line:
+class Outcome:
     """What one method gave for one row of the paper, raw: no repair, no polish.
 
     Parameters
@@ -113,14 +113,14 @@ class Line:
 
 
 def judged(
-    line: Line,
+    line: Outcome,
     question: Question,
     distances: Floats,
     clock: Clock,
     *,
     seed: int,
     plans_only: bool = False,
-) -> Line:
+) -> Outcome:
     """Fill a line from the distances of its raw reads, and the control at equal shots.
 
     Parameters

@@ -4,31 +4,99 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from qrobot._files import read_text, write_text_atomic
 from qrobot._json import json_text
 from qrobot.errors import InputError, MissingExtraError, QRobotError
-from qrobot.report.machine import machine
-from qrobot.study.reproduce.faces import write_tables
 from qrobot.study.reproduce.figures import FIGURES, draw_figure
-from qrobot.study.reproduce.instances import PLACES
-from qrobot.study.reproduce.left import Left
-from qrobot.study.reproduce.methods import Method, methods_for
-from qrobot.study.reproduce.outcome import Line
+from qrobot.study.reproduce.instances import PLACES, SEED
+from qrobot.study.reproduce.methods import CannotRun, Method, methods_for
+from qrobot.study.reproduce.outcome import Outcome
 from qrobot.study.reproduce.paper import TITLE, YEAR, PaperRow, paper_rows
 from qrobot.study.reproduce.question import Question
-from qrobot.study.reproduce.settings import Settings
+from qrobot.study.reproduce.tables import write_tables
+from qrobot.study.runner import Part, measured_here, run_parts
 
-__all__ = ["SCHEMA", "TARGETS", "reproduce"]
+__all__ = ["SCHEMA", "TARGETS", "Settings", "reproduce"]
 
 SCHEMA = "qrobot.reproduce/1"
 TABLES = {"table1": 1, "table2": 2, "table3": 3}
 TARGETS = (*TABLES, *FIGURES)
+
+
+QUICK_ITEMS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What is asked for.
+
+    Parameters
+    ----------
+    reads
+        Shots of every method and of its control.
+    seed
+        Of our places and of every random choice.
+    rows
+        Numbers of items, such as ``2-5`` or ``2,4,10-12``; ``None``: all.
+    largest
+        Most items; ``None``: 12.
+    large
+        Whether 26 qubits are simulated too (1.5 GiB).
+    quick
+        At most four items and no SDK.
+    """
+
+    reads: int = 1000
+    seed: int = SEED
+    rows: str | None = None
+    largest: int | None = None
+    large: bool = False
+    quick: bool = False
+
+    def items(self) -> list[int]:
+        """Return the numbers of items that are wanted.
+
+        Raises
+        ------
+        InputError
+            When they are not 2 to 12, or other settings are out of range.
+        """
+        for name, value, least in (("reads", self.reads, 1), ("seed", self.seed, 0)):
+            if value < least:
+                raise InputError(
+                    f"{value} is too small", field=f"--{name}", mend=f"give {least} or more"
+                )
+        wanted = _numbers(self.rows) if self.rows else set(range(2, 13))
+        if self.largest is not None:
+            wanted = {n for n in wanted if n <= self.largest}
+        if self.quick:
+            wanted = {n for n in wanted if n <= QUICK_ITEMS}
+        if not wanted:
+            raise InputError(
+                "no row is left", field="--rows", mend="the tables have rows of 2 to 12 items"
+            )
+        return sorted(wanted)
+
+
+def _numbers(text: str) -> set[int]:
+    found: set[int] = set()
+    for part in text.split(","):
+        first, _, last = part.strip().partition("-")
+        if not (first.isdecimal() and (last or first).isdecimal()):
+            raise InputError(
+                f"{text!r} names no rows", field="--rows", mend="write it like 2-5 or 2,4,10-12"
+            )
+        found |= set(range(int(first), int(last or first) + 1))
+    if not found <= set(range(2, 13)):
+        raise InputError(
+            f"{text!r} goes beyond the tables", field="--rows", mend="give rows of 2 to 12 items"
+        )
+    return found
 
 
 def reproduce(
@@ -37,8 +105,8 @@ def reproduce(
     settings: Settings | None = None,
     *,
     resume: bool = False,
-    on_start: Callable[[Line], None] | None = None,
-    on_line: Callable[[Line], None] | None = None,
+    on_start: Callable[[Outcome], None] | None = None,
+    on_line: Callable[[Outcome], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
     on_figure: Callable[[dict[str, Any]], None] | None = None,
 ) -> dict[str, Any]:
@@ -73,7 +141,7 @@ def reproduce(
     settings = settings or Settings()
     unknown = [name for name in targets if name not in TARGETS]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no target", mend=f"use one of {', '.join(TARGETS)}")
+        raise InputError(f"{unknown[0]!r} is not a target", mend=f"use one of {', '.join(TARGETS)}")
     wanted = settings.items()
     folder = Path(output)
     try:
@@ -88,8 +156,7 @@ def reproduce(
         "schema": SCHEMA,
         "paper": {"title": TITLE, "year": YEAR},
         "places": PLACES.format(seed=settings.seed) + ".",
-        "machine": machine(),
-        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        **measured_here(),
         "settings": asdict(settings),
         "targets": list(targets),
         "interrupted": False,
@@ -98,55 +165,52 @@ def reproduce(
         "notes": [],
     }
     known = _finished(folder, report) if resume else []
-    tables = [TABLES[name] for name in targets if name in TABLES]
-    try:
-        for line in _lines(tables, wanted, settings, known, on_start):
-            report["lines"].append(asdict(line))
-            _save(report, folder)
-            if on_line is not None:
-                on_line(line)
-            if interrupted is not None and interrupted():
-                raise KeyboardInterrupt
-        for name in targets:
-            if name not in FIGURES:
-                continue
-            try:
-                made = draw_figure(name, folder, settings.seed)
-            except MissingExtraError as error:
-                if not tables:
-                    raise
-                report["notes"].append(f"{name} is left out: {error}")
-                continue
-            report["figures"].append(made)
-            _save(report, folder)
-            if on_figure is not None:
-                on_figure(made)
-    except KeyboardInterrupt:
-        report["interrupted"] = True
+    lines = _lines([n for n in targets if n in TABLES], wanted, settings, known, on_start)
+    figures = _figures(targets, folder, settings.seed, report["notes"])
+    run_parts(
+        report,
+        [Part("lines", lines, asdict, on_line), Part("figures", figures, dict, on_figure)],
+        lambda: _save(report, folder),
+        interrupted,
+    )
     _save(report, folder, plots=True)
     return report
 
 
+def _figures(
+    targets: Sequence[str], folder: Path, seed: int, notes: list[str]
+) -> Iterator[dict[str, Any]]:
+    """Draw the figures; beside tables one that cannot be drawn is only noted."""
+    for name in targets:
+        if name in FIGURES:
+            try:
+                yield draw_figure(name, folder, seed)
+            except MissingExtraError as error:
+                if not TABLES.keys() & set(targets):
+                    raise
+                notes.append(f"{name} is left out: {error}")
+
+
 def _lines(
-    tables: Sequence[int],
+    tables: Sequence[str],
     wanted: Sequence[int],
     settings: Settings,
-    known: list[Line],
-    on_start: Callable[[Line], None] | None,
-) -> Iterator[Line]:
+    known: list[Outcome],
+    on_start: Callable[[Outcome], None] | None,
+) -> Iterator[Outcome]:
     """Yield a line for each table, row and method; tables 2 and 3 share their runs."""
-    # The reduced rows of tables 2 and 3 ask the same: one run, two faces.
+    # The reduced rows of tables 2 and 3 ask the same: one run, shown twice.
     done = {_key(line): line for line in known}
     questions: dict[tuple[str, int], Question] = {}
     warmed: set[str] = set()
     for table in tables:
-        for row in paper_rows(table):
+        for row in paper_rows(TABLES[table]):
             if row.items not in wanted:
                 continue
             for method, reason in methods_for(row, large=settings.large, quick=settings.quick):
                 line = _blank(row, method)
                 if (found := done.get(_key(line))) is not None:
-                    yield _again(found, row)
+                    yield replace(found, **_printed(row))
                     continue
                 asked = (row.encoding, row.items)
                 if reason is None and asked not in questions:
@@ -163,15 +227,15 @@ def _lines(
 
 
 def _run(
-    method: Method, line: Line, question: Question, settings: Settings, warmed: set[str]
-) -> Line:
+    method: Method, line: Outcome, question: Question, settings: Settings, warmed: set[str]
+) -> Outcome:
     """Run a method; whatever happens becomes a line."""
     try:
         if method.backend not in warmed:
             method.warm()
             warmed.add(method.backend)
         return method.run(line, question, settings.reads, settings.seed)
-    except (Left, MissingExtraError) as left:
+    except (CannotRun, MissingExtraError) as left:
         line.status, line.reason = "skipped", str(left)
     except QRobotError as error:
         line.status, line.reason = "failed", str(error)
@@ -181,37 +245,33 @@ def _run(
     return line
 
 
-def _key(line: Line) -> tuple[str, int, str]:
+def _key(line: Outcome) -> tuple[str, int, str]:
     return ("full" if line.table == 1 else "reduced", line.items, line.method)
 
 
-def _blank(row: PaperRow, method: Method) -> Line:
-    return Line(
-        table=row.table,
+def _blank(row: PaperRow, method: Method) -> Outcome:
+    return Outcome(
         items=row.items,
         robots=row.robots,
         capacity=row.capacity,
         qubits=row.qubits,
         method=method.name,
         backend=method.backend,
-        paper_annealer_seconds=row.annealer,
-        paper_ibmq_seconds=row.seconds.get("ibmq_qasm_simulator"),
-        paper_pennylane_seconds=row.seconds.get("pennylane"),
+        **_printed(row),
     )
 
 
-def _again(line: Line, row: PaperRow) -> Line:
-    """Return a finished line as one of another table with the same question."""
-    values = asdict(line) | {
+def _printed(row: PaperRow) -> dict[str, Any]:
+    """Return what a table prints for a row; tables 2 and 3 share the rest."""
+    return {
         "table": row.table,
         "paper_annealer_seconds": row.annealer,
         "paper_ibmq_seconds": row.seconds.get("ibmq_qasm_simulator"),
         "paper_pennylane_seconds": row.seconds.get("pennylane"),
     }
-    return Line(**values)
 
 
-def _finished(folder: Path, report: dict[str, Any]) -> list[Line]:
+def _finished(folder: Path, report: dict[str, Any]) -> list[Outcome]:
     """Return the finished lines of an earlier run under the same settings."""
     path = folder / "reproduce.json"
     if not path.is_file():
@@ -220,10 +280,10 @@ def _finished(folder: Path, report: dict[str, Any]) -> list[Line]:
         before = json.loads(read_text(path))
         same = all(before["settings"][name] == report["settings"][name] for name in _MATTERS)
         if same and before["schema"] == SCHEMA and before["machine"] == report["machine"]:
-            return [Line(**line) for line in before["lines"] if line["status"] == "done"]
+            return [Outcome(**line) for line in before["lines"] if line["status"] == "done"]
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(
-            f"is no report of ours ({type(error).__name__})",
+            f"is not a report of ours ({type(error).__name__})",
             source=os.fspath(path),
             mend="choose another folder, or leave --resume out",
         ) from None

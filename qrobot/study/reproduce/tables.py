@@ -1,27 +1,42 @@
-"""The faces of reproduced tables: CSV, Markdown; plots are made beside."""
+"""Reproduced tables: CSV, Markdown, plots, and what people read while rows run and at the end."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from qrobot._files import write_text_atomic
-from qrobot._numbers import number
+from qrobot._text import columns
 from qrobot.errors import MissingExtraError
+from qrobot.report.palette import INK, colour_of
+from qrobot.study.render import (
+    figure_text,
+    machine_text,
+    markdown_table,
+    percent,
+    plotted,
+    write_csv,
+)
 from qrobot.study.reproduce.methods import ANNEALERS, METHODS, VQES
-from qrobot.study.reproduce.outcome import Line
+from qrobot.study.reproduce.outcome import Outcome
 from qrobot.study.reproduce.paper import DEVICES, TITLE, YEAR, paper_rows
-from qrobot.study.reproduce.plots import table_plot
 
-__all__ = ["COLUMNS", "table_csv", "table_markdown", "write_tables"]
+__all__ = ["drawn_text", "place_text", "result_text", "summary", "write_tables"]
+
+PAPER = (
+    ("paper_annealer_seconds", "annealer", "s"),
+    ("paper_ibmq_seconds", "Qiskit simulator", "^"),
+    ("paper_pennylane_seconds", "PennyLane", "v"),
+)
+MARKERS = "oDPX*phd>"
+LEAST = 1e-5
+"""Seconds below which a point stands at the edge."""
 
 Rows = Sequence[dict[str, Any]]
 
-COLUMNS = tuple(f.name for f in fields(Line) if f.name != "details")
+COLUMNS = tuple(f.name for f in fields(Outcome) if f.name != "details")
 
 INCLUDED = (
     "building the model (or listing or counting the plans), searching parameters and sampling; "
@@ -41,32 +56,21 @@ def write_tables(report: dict[str, Any], folder: Path, plots: bool) -> list[str]
     notes = []
     for table in sorted({line["table"] for line in report["lines"]}):
         own = [line for line in report["lines"] if line["table"] == table]
-        table_csv(own, folder / f"table{table}.csv")
-        write_text_atomic(folder / f"table{table}.md", table_markdown(report, table))
+        write_csv(own, COLUMNS, folder / f"table{table}.csv")
+        write_text_atomic(folder / f"table{table}.md", _markdown(report, table))
         if plots:
             try:
                 for suffix in ("svg", "png"):
-                    table_plot(own, table, folder / f"table{table}.{suffix}")
+                    _plot(own, table, folder / f"table{table}.{suffix}")
             except MissingExtraError as error:
                 notes.append(f"plots are left out: {error}")
     return notes
 
 
-def table_csv(rows: Rows, path: Path) -> None:
-    """Write the lines of a table as CSV, one a method."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_text_atomic(path, text.getvalue())
-
-
-def table_markdown(report: dict[str, Any], table: int) -> str:
+def _markdown(report: dict[str, Any], table: int) -> str:
     """Return a table as Markdown: the paper's seconds beside ours, then what was found."""
     rows = [line for line in report["lines"] if line["table"] == table]
-    host, settings = report["machine"], report["settings"]
-    installed = host["packages"]
-    packages = ", ".join(f"{name} {version}" for name, version in installed.items())
+    settings = report["settings"]
     lines = [
         f"### The paper's table {table}",
         "",
@@ -74,17 +78,16 @@ def table_markdown(report: dict[str, Any], table: int) -> str:
         f"beside ours. {report['places']} The penalty form is the `{_encoding(table)}` encoding "
         "with the paper's slack.",
         "",
-        f"Ours: {host['processor']}, {host['cores']} cores, {host['memory_gb']} GB; Python "
-        f"{host['python']}; qrobot {host['qrobot']}, {packages}; {report['started'][:10]}. "
-        f"{settings['reads']} reads, seed {settings['seed']}. {SUMMARY[table]} From n = 10 on "
-        "distances are rounded to whole metres, because plans are counted by distance.",
+        f"Ours: {machine_text(report)} {settings['reads']} reads, seed {settings['seed']}. "
+        f"{SUMMARY[table]} From n = 10 on distances are rounded to whole metres, because plans are "
+        "counted by distance.",
         "",
         *_seconds(rows, table),
         "",
         *_quality(rows),
     ]
-    if left := _left(rows):
-        lines += ["", "Left empty:", "", *left]
+    if empty := _empty(rows):
+        lines += ["", "Left empty:", "", *empty]
     if report["interrupted"]:
         lines += ["", "This run was interrupted: rows are missing."]
     return "\n".join(lines) + "\n"
@@ -116,7 +119,7 @@ def _seconds(rows: Rows, table: int) -> list[str]:
         found.append(cells)
     named = {column: DEVICES[column] for row in paper_rows(table) for column in row.seconds}
     told = "; ".join(dict.fromkeys(named.values()))
-    return [*_table(heads, found, 0), "", f"The paper's columns: {told}."]
+    return [*markdown_table(heads, found), "", f"The paper's columns: {told}."]
 
 
 def _quality(rows: Rows) -> list[str]:
@@ -143,10 +146,10 @@ def _quality(rows: Rows) -> list[str]:
                 "-" if row["probability"] is None else f"{row['probability']:.2g}",
                 f"{random:.2g}{'' if row['control'] == 'plans' else ' *'}",
                 _gain(p / random),
-                _number(row["best"]),
-                "-" if row["gap"] is None else f"{round(100 * row['gap'], 1) + 0.0:.1f} %",
-                _number(row["control_best"]),
-                _number(row["optimum"]),
+                figure_text(row["best"]),
+                percent(row["gap"], 1),
+                figure_text(row["control_best"]),
+                figure_text(row["optimum"]),
                 f"{row['plans_probability']:.2g}",
                 _gain(p / row["plans_probability"]),
                 f"{row['plans_best']:.1f}",
@@ -160,11 +163,11 @@ def _quality(rows: Rows) -> list[str]:
         "the stricter control: the chance of one, the gain over it, and the expected best of all. "
         "The optimum is proven by the exact planner.",
         "",
-        *_table(heads, found, 2),
+        *markdown_table(heads, found, left={2}),
     ]
 
 
-def _left(rows: Rows) -> list[str]:
+def _empty(rows: Rows) -> list[str]:
     """Return why cells are empty, one line a reason."""
     found: dict[tuple[str, str], list[str]] = {}
     for row in rows:
@@ -184,12 +187,6 @@ def _left(rows: Rows) -> list[str]:
     return told
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], text: int) -> list[str]:
-    """Return a Markdown table, numbers to the right; column `text` to the left."""
-    marks = ["---" if k == text and text else "--:" for k in range(len(heads))]
-    return [f"| {' | '.join(row)} |" for row in (heads, marks, *rows)]
-
-
 def _time(seconds: float | None) -> str:
     if seconds is None:
         return "-"
@@ -204,5 +201,98 @@ def _gain(value: float) -> str:
     return f"{value:,.0f}" if value >= 10 else f"{value:.2g}"
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else number(value)
+def _plot(rows: Sequence[dict[str, Any]], table: int, path: Path) -> None:
+    """Draw the seconds of a table; gids ``paper-...`` and ``ours-...`` name the lines.
+
+    Raises
+    ------
+    MissingExtraError
+        When matplotlib is not installed.
+    """
+    part = "run_seconds" if table == 3 else "seconds"
+    with plotted(path, (10.5, 5.6)) as (figure, axes):
+        for name, label, marker in PAPER:
+            points = {row["qubits"]: row[name] for row in rows if row[name] is not None}
+            if points:
+                axes.plot(
+                    list(points), list(points.values()), marker=marker, ls=(0, (5, 2)), lw=1.6,
+                    ms=7, color="#7b8794", mfc="white", mew=1.4, zorder=2,
+                    label=f"paper: {label}", gid=f"paper-{name}",
+                )  # fmt: skip
+        for k, (name, method) in enumerate(METHODS.items()):
+            own = [row for row in rows if row["method"] == name and row[part] is not None]
+            if own:
+                axes.plot(
+                    [row["qubits"] for row in own], [max(row[part], LEAST) for row in own],
+                    marker=MARKERS[k], lw=1.4, ms=6, color=colour_of(k).fill,
+                    mec=colour_of(k).edge, zorder=3, label=f"ours: {method.label}",
+                    gid=f"ours-{name}",
+                )  # fmt: skip
+        axes.set_yscale("log")
+        axes.set_xticks(sorted({row["qubits"] for row in rows}))
+        axes.set_xlabel("qubits of the paper's row")
+        what = "seconds of sampling alone" if table == 3 else "seconds"
+        axes.set_ylabel(f"{what}, logarithmic")
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.set_title(
+            f"Table {table}: the paper's seconds ({YEAR}, dashed) and ours, on other machines",
+            loc="left", size=13, weight="bold", color=INK,
+        )  # fmt: skip
+        figure.supxlabel(
+            "Places are ours: the paper gives none. Other devices, other years: no speed-up is "
+            "claimed.",
+            size=8.5, x=0.01, ha="left", color="#5b6673",
+        )  # fmt: skip
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=9.5)
+
+
+def place_text(line: Outcome) -> str:
+    """Return where in the tables an outcome stands."""
+    return f"table {line.table}, n = {line.items}, {line.qubits} qubits, {line.method}"
+
+
+def result_text(line: Outcome) -> str:
+    """Return the outcome of a method as a line of progress."""
+    start = f"{place_text(line)}: "
+    if line.status != "done":
+        return f"{start}- ({line.reason})"
+    best = "no feasible read" if line.best is None else f"best {line.best:g}"
+    return (
+        f"{start}{line.seconds:.2f} s, {best} of optimum {line.optimum:g}, "
+        f"{line.share:.3g} of {line.reads} reads optimal"
+    )
+
+
+def drawn_text(figure: dict[str, Any]) -> str:
+    """Return a figure as a line of progress."""
+    panels = ", ".join(
+        f"{p['distance']:.2f} with {p['robots_used']} at M = {p['capacity']}"
+        for p in figure["panels"]
+    )
+    return f"{figure['figure']}, metres with so many robots, all proven: {panels}"
+
+
+def summary(report: dict[str, Any], folder: str) -> str:
+    """Return the report as a table of text, and where the files are."""
+    rows = [
+        [
+            str(line["table"]), str(line["items"]), str(line["qubits"]), line["method"],
+            _text(line["paper_annealer_seconds"]), _text(line["paper_ibmq_seconds"]),
+            _text(line["paper_pennylane_seconds"]),
+            _text(line["run_seconds" if line["table"] == 3 else "seconds"]),
+            _text(line["share"]), _text(line["control_probability"]), _text(line["gap"]),
+        ]
+        for line in report["lines"]
+    ]  # fmt: skip
+    heads = [
+        "table", "n", "qubits", "method", "paper: annealer", "Qiskit", "PennyLane", "ours, s",
+        "optimal reads", "random", "gap",
+    ]  # fmt: skip
+    parts = [columns(heads, rows, numbers=frozenset(range(11)) - {3})] if rows else []
+    parts += [drawn_text(figure) + "\n" + figure["note"] for figure in report["figures"]]
+    parts += [report["places"], *report["notes"], f"Written to {folder}."]
+    return "\n\n".join(parts)
+
+
+def _text(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
