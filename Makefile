@@ -42,7 +42,7 @@ virtual-pi-packages = qemu-system-arm ipxe-qemu qemu-utils qemu-user-static binf
 play = $(bin)/python ansible/controller/play.py
 robots = --inventory '$(INVENTORY)' $(if $(LIMIT),--limit '$(LIMIT)') $(ANSIBLE_ARGS)
 shell-scripts = docker/*.sh ansible/virtual-pi/*.sh locks/*.sh tests/ansible/*.sh
-source = qrobot tests ansible benchmarks docker examples healthchecks locks
+source = qrobot tests ansible benchmarks docker docs/hooks examples healthchecks locks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -96,7 +96,7 @@ format: $(stamp)-dev ## put the code into the house style
 	$(bin)/ruff check --fix-only --quiet $(wildcard $(source))
 	$(bin)/ruff format $(wildcard $(source))
 
-docs: $(stamp)-dev ## build the site into build/site
+docs: $(stamp)-dev ## build the site into build/site, with executed notebooks (QROBOT_DOCS_EXECUTE=false: without)
 	NO_MKDOCS_2_WARNING=1 $(bin)/mkdocs build --strict --quiet
 	@echo 'The site: $(CURDIR)/build/site/index.html'
 
