@@ -87,7 +87,7 @@ lint: $(stamp)-dev ## check the style, the types and the locks
 	$(bin)/ruff check $(wildcard $(source))
 	$(bin)/ruff format --check $(wildcard $(source))
 	$(bin)/mypy
-	$(bin)/python locks/verify.py
+	$(bin)/python -m locks.verify
 	$(bin)/python ansible/controller/check_roles.py
 	cd ansible && ../$(bin)/yamllint --strict . && PATH="$(abspath $(bin)):$$PATH" ../$(bin)/ansible-lint -q --nocolor
 	@if command -v shellcheck >/dev/null; then shellcheck $(shell-scripts); else echo 'no shellcheck here: shell scripts are not checked'; fi
@@ -185,7 +185,7 @@ lock-upgrade: .venv-lock/bin/uv ## make the locks anew with the newest versions 
 	locks/compile.sh $< --upgrade
 
 lock-verify: .venv-lock/bin/uv $(stamp)-dev ## install every lock for every platform into a scratch folder, print sizes
-	$(bin)/python locks/verify.py --install $<
+	$(bin)/python -m locks.verify --install $<
 
 clean: ## remove what was built; keep the environments
 	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis

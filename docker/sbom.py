@@ -20,15 +20,16 @@ from cyclonedx.model import Property
 from cyclonedx.model.bom import Bom
 from cyclonedx.model.component import Component, ComponentType
 from cyclonedx.output.json import JsonV1Dot6
-from lock import pins
 from packageurl import PackageURL
+
+from locks import MACHINES, ROBOTS, pins
 
 NAMESPACE = uuid.UUID("0b6f3c5e-6a1c-5f0e-9d35-4d1f3f8a7c11")  # ours, drawn once
 
 
 def python_packages(lock: str, arch: str) -> Iterator[Component]:
     """Yield the pins that hold on the target, with the hashes that the lock allows."""
-    for pin in pins(lock, arch):
+    for pin in pins(lock, MACHINES[arch]):
         yield Component(
             name=pin.name,
             version=pin.version,
@@ -63,11 +64,12 @@ def debian_packages(base: str, added: str) -> Iterator[Component]:
 
 def main() -> None:
     profile, arch, target = sys.argv[1:]
+    image = next(image for image, held in ROBOTS.items() if held == profile)
     text = Path("/source/_version.py").read_text()
     version = re.findall(r'^__version__ = "([^"]+)"', text, re.MULTILINE)[0]
     bom = Bom()
     bom.metadata.component = Component(
-        name=f"qrobot-{ {'full': 'lab'}.get(profile, profile) }",
+        name=f"qrobot-{image}",
         version=version,
         type=ComponentType.CONTAINER,
         bom_ref="image",

@@ -11,7 +11,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 releases=${RELEASES:-trixie bookworm}
 image=${IMAGE:-edge}
-case $image in lab) profile=full ;; *) profile=$image ;; esac
+profile=$(python3 -c 'import locks, sys; print(locks.ROBOTS[sys.argv[1]])' "$image")
 here=$PWD
 out=$here/build/arm64
 cpu=cortex-a72

@@ -16,7 +16,7 @@ site=usr/local/lib/python$python/dist-packages # where Debian's Python looks
 if [ -s /run/secrets/ca ]; then export SSL_CERT_FILE=/run/secrets/ca; fi
 lock=/locks/$profile.txt
 if [ -n "$below" ]; then
-  /tools/bin/python /docker/above.py "$lock" "/locks/$below.txt" "$TARGETARCH" >/tmp/lock.txt
+  PYTHONPATH=/ /tools/bin/python -m locks.above "$lock" "/locks/$below.txt" "$TARGETARCH" >/tmp/lock.txt
   lock=/tmp/lock.txt
 fi
 mkdir -p "/layers/$profile/$site"

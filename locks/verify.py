@@ -1,4 +1,4 @@
-"""Check the locks.
+"""Check the locks: ``python -m locks.verify``.
 
 Without arguments: offline and at once. No address in any lock, every pin hashed, one version of a
 package in all locks, and every requirement met by its lock: those of pyproject.toml, and those of
@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib import metadata
 from pathlib import Path
 
@@ -25,56 +25,23 @@ from packaging.requirements import Requirement
 from packaging.tags import compatible_tags, cpython_tags
 from packaging.utils import canonicalize_name, parse_wheel_filename
 
-LOCKS = Path(__file__).resolve().parent
-PROFILES = {
-    "base": [],
-    "solver": ["solver"],
-    "edge": ["edge"],
-    "full": ["full"],
-    "dev": ["solver", "dev", "docs", "provision"],
-}
-PYTHONS = ("3.11", "3.13")
-MACHINES = ("aarch64", "x86_64")
+from locks import LOCKS, MACHINES, PIN, PROFILES, PYTHONS, Pin, environment, pins
+
 GLIBC = "manylinux_2_28"
-PIN = re.compile(r"^(?P<requirement>[A-Za-z0-9][^#\\]*==[^#\\]*?)\s*(?P<more>\\?)$")
 
-Pins = dict[str, Requirement]
-
-
-def environment(python: str, machine: str) -> dict[str, str]:
-    """Marker values of a Linux robot."""
-    return {
-        "python_version": python,
-        "python_full_version": f"{python}.2",
-        "platform_machine": machine,
-        "sys_platform": "linux",
-        "os_name": "posix",
-        "platform_system": "Linux",
-        "implementation_name": "cpython",
-        "platform_python_implementation": "CPython",
-    }
+Pins = dict[str, Pin]
 
 
 def applies(requirement: Requirement, env: dict[str, str]) -> bool:
     return requirement.marker is None or requirement.marker.evaluate(env)
 
 
-def read_lock(path: Path, env: dict[str, str]) -> Pins:
-    """Pins of one lock that hold in one environment, by canonical name."""
-    pins: Pins = {}
-    for line in path.read_text().splitlines():
-        if match := PIN.match(line):
-            requirement = Requirement(match["requirement"])
-            if applies(requirement, env):
-                pins[canonicalize_name(requirement.name)] = requirement
-    return pins
+def read_lock(path: Path, machine: str, python: str) -> Pins:
+    """Pins of one lock that hold on one machine, by canonical name."""
+    return {pin.name: pin for pin in pins(path.read_text(), machine, python)}
 
 
-def version(pin: Requirement) -> str:
-    return next(iter(pin.specifier)).version
-
-
-def wanted(project: dict, extras: list[str], env: dict[str, str]) -> Iterator[Requirement]:
+def wanted(project: dict, extras: Iterable[str], env: dict[str, str]) -> Iterator[Requirement]:
     """What pyproject.toml asks for with these extras, its references to itself followed."""
     texts = list(project["dependencies"])
     for extra in extras:
@@ -92,16 +59,16 @@ def check_text(path: Path) -> Iterator[str]:
         if re.search(":/{2}", line):
             yield f"{path.name}:{number}: an address"
         elif (match := PIN.match(line)) and "--hash=" not in "".join(lines[number : number + 1]):
-            yield f"{path.name}:{number}: {match['requirement']} has no hash"
+            yield f"{path.name}:{number}: {match['requirement'].strip()} has no hash"
 
 
-def needed_by(pin: Requirement, env: dict[str, str]) -> Iterator[Requirement]:
+def needed_by(pin: Pin, env: dict[str, str]) -> Iterator[Requirement]:
     """What a pinned package itself asks for; nothing when this very version is not installed."""
     try:
         found = metadata.distribution(pin.name)
     except metadata.PackageNotFoundError:
         return
-    if found.version == version(pin):
+    if found.version == pin.version:
         for requirement in map(Requirement, found.requires or ()):
             extras = ["", *pin.extras]
             if requirement.marker is None or any(
@@ -115,7 +82,7 @@ def check_needs(stem: str, pins: Pins, env: dict[str, str]) -> Iterator[str]:
     for pin in pins.values():
         for requirement in needed_by(pin, env):
             found = pins.get(canonicalize_name(requirement.name))
-            if found is None or not requirement.specifier.contains(version(found), True):
+            if found is None or not requirement.specifier.contains(found.version, True):
                 yield f'{stem}.txt lacks "{requirement}", which {pin.name} needs: run `make lock`'
 
 
@@ -125,23 +92,23 @@ def check() -> list[str]:
     faults = [fault for path in paths for fault in check_text(path)]
     project = tomllib.loads((LOCKS.parent / "pyproject.toml").read_text())["project"]
     for python in PYTHONS:
-        for machine in MACHINES:
-            env = environment(python, machine)
-            locks = {path.stem: read_lock(path, env) for path in paths}
+        for machine in MACHINES.values():
+            env = environment(machine, python)
+            locks = {path.stem: read_lock(path, machine, python) for path in paths}
             first: dict[str, tuple[str, str]] = {}
-            for stem, pins in locks.items():
-                faults += check_needs(stem, pins, env)
-                for name, pin in pins.items():
-                    where, known = first.setdefault(name, (stem, version(pin)))
-                    if known != version(pin):
+            for stem, held in locks.items():
+                faults += check_needs(stem, held, env)
+                for name, pin in held.items():
+                    where, known = first.setdefault(name, (stem, pin.version))
+                    if known != pin.version:
                         faults.append(
-                            f"{name}: {known} in {where}.txt, {version(pin)} in {stem}.txt"
+                            f"{name}: {known} in {where}.txt, {pin.version} in {stem}.txt"
                         )
             for profile, extras in PROFILES.items():
-                pins = locks.get(profile, {})
+                held = locks.get(profile, {})
                 for requirement in wanted(project, extras, env):
-                    found = pins.get(canonicalize_name(requirement.name))
-                    if found is None or version(found) not in requirement.specifier:
+                    found = held.get(canonicalize_name(requirement.name))
+                    if found is None or found.version not in requirement.specifier:
                         faults.append(
                             f'{profile}.txt does not meet "{requirement}"'
                             f" on Python {python}, {machine}: run `make lock`"
@@ -199,9 +166,9 @@ def install(uv: str) -> None:
         scratch = Path(folder)
         for profile in PROFILES:
             lock = LOCKS / f"{profile}.txt"
-            for machine in MACHINES:
+            for machine in MACHINES.values():
                 for python in PYTHONS:
-                    count = len(read_lock(lock, environment(python, machine)))
+                    count = len(read_lock(lock, machine, python))
                     sizes = [
                         measure(uv, lock, python, machine, scratch) / 1e6
                         for measure in (download_size, installed_size)

@@ -24,6 +24,7 @@ __all__ = [
     "path_text",
     "read_text",
     "refusal",
+    "replace_file",
     "write_bytes_atomic",
     "write_text_atomic",
 ]
@@ -162,12 +163,19 @@ def write_bytes_atomic(path: StrPath, data: bytes) -> None:
     """
     source = path_text(path)
     try:
-        _write(Path(source), data)
+        replace_file(Path(source), data)
     except (OSError, RuntimeError, ValueError) as error:
         raise refusal("write", source, error) from None
 
 
-def _write(path: Path, data: bytes) -> None:
+def replace_file(path: Path, data: bytes) -> None:
+    """Do what `write_bytes_atomic` says, for callers that tell errors themselves.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be written; what stood there before is untouched.
+    """
     mode = None
     if path.exists():
         mode = path.stat().st_mode

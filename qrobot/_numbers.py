@@ -14,7 +14,7 @@ def number(value: float | Fraction) -> str:
     ['277', '277', '12.5', '1234.57', '0.0123', '98765']
     """
     value = float(value) + 0.0  # never "-0"
-    if abs(value) < 0.1 and value != 0:
+    if abs(value) < 1 and value != 0:
         return f"{value:.3g}"
     text = f"{value:.0f}" if abs(value) >= 10_000 else f"{value:.2f}"
     return text.rstrip("0").rstrip(".") if "." in text else text

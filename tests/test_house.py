@@ -117,8 +117,24 @@ def test_modules_are_short_and_the_path_is_left_alone() -> None:
     for path in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
         text = path.read_text()
         assert text.count("\n") <= LONGEST, path
-        touched = re.search(r"^\s*sys\.path(\[|\.(insert|append|extend))", text, re.MULTILINE)
+        touched = re.search(r"^\s*sys\.path(\[|\.(insert|append|extend)| \+=)", text, re.MULTILINE)
         assert not touched, path
+
+
+ONCE = {
+    r"\bos\.fork\(|\bprctl\b|\bgetppid\b|\bkillpg\b|\bsignal\.signal\(": "_processes.py",
+    r"\bru_maxrss\b|\bVmHWM\b|\"/?proc/cpuinfo\"|sys/fs/cgroup|sched_getaffinity": "_machine.py",
+    r"\bmetadata\.(requires|version)\(|\bfind_spec\(": "_extras.py",
+    r"pip install 'qrobot\[\{": "errors.py",
+    r"\bos\.(replace|rename|fsync)\(": "_files.py",
+}
+"""Mechanisms, and the one file of the package that has each."""
+
+
+@pytest.mark.parametrize("pattern", ONCE)
+def test_a_mechanism_stands_once(pattern: str) -> None:
+    using = {path.name for path in PACKAGE.rglob("*.py") if re.search(pattern, path.read_text())}
+    assert using == {ONCE[pattern]}
 
 
 def imported_on_top(tree: ast.Module) -> set[str]:

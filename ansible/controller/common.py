@@ -10,12 +10,12 @@ import contextlib
 import fcntl
 import hashlib
 import json
-import os
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from qrobot._files import replace_file
 from qrobot.errors import QRobotError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,9 +43,8 @@ def read_json(path: Path) -> Any:
 def write_json(path: Path, document: Any) -> None:
     """Write a file that is there whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = path.with_name(f".{path.name}.{os.getpid()}")
-    scratch.write_text(json.dumps(document, indent=1, sort_keys=True) + "\n")
-    scratch.replace(path)
+    text = json.dumps(document, indent=1, sort_keys=True) + "\n"
+    replace_file(path, text.encode())
 
 
 @contextlib.contextmanager

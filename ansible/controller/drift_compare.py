@@ -10,14 +10,12 @@ from typing import Any
 from common import read_json
 from packaging.version import InvalidVersion, Version
 
-from docker.lock import pins
+from locks import MACHINES, ROBOTS, lock_of, pins
 from qrobot import __version__
 from qrobot._text import count
 from qrobot.errors import InputError
 from qrobot.health.reports import Column
 
-LOCKS = {"solver": "solver.txt", "edge": "edge.txt", "lab": "full.txt"}
-ARCH = {"aarch64": "arm64", "x86_64": "amd64"}
 ABSENT = "-"
 PINNED = re.compile(r"^([\w.-]+)==([^\s;]+)", re.MULTILINE)
 
@@ -45,7 +43,7 @@ class Checkout:
             path = self.locks / lock  # an absolute path stays what it is
             try:
                 text = path.read_text()
-                found = {pin.name: pin.version for pin in pins(text, ARCH[machine], python)}
+                found = {pin.name: pin.version for pin in pins(text, machine, python)}
             except OSError as error:
                 why = f"not readable ({error.strerror})"
                 raise InputError(why, source=str(path), field="lock") from None
@@ -117,12 +115,12 @@ def _robot(robot: dict[str, Any], checkout: Checkout) -> dict[str, Any]:
     }
     if not seen:
         return told
-    if profile not in LOCKS or seen["machine"] not in ARCH:
+    if profile not in ROBOTS or seen["machine"] not in MACHINES.values():
         known = f"profile {profile or '-'} on {seen['machine']}"
         told["drift"] = [f"there is no lock for {known}"]
         return told
     lock = checkout.packages(
-        robot["settings"].get("lock") or LOCKS[profile], seen["machine"], seen["python"]
+        robot["settings"].get("lock") or lock_of(profile), seen["machine"], seen["python"]
     )
     wanted = checkout.release(profile, seen["machine"], seen["python"], lock)
     told["release"]["wanted"] = wanted

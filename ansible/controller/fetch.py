@@ -17,12 +17,12 @@ from pathlib import Path
 from common import ROOT, say, sha256
 from store import File, Store
 
-from docker.lock import Pin, pins
+from locks import LOCKS, Pin, pins
 from qrobot.errors import BackendError, RemoteError
 
 SOURCE_ONLY = frozenset({"docplex", "fastdtw"})  # as in locks/compile.sh; both pure Python
 BATCH = 8  # wheels a call: what an interrupted run loses at most
-BUILD_LOCK = ROOT / "locks" / "build.txt"
+BUILD_LOCK = LOCKS / "build.txt"
 # 1980 is where the dates of zip files begin: the same source gives the same bytes.
 SAME_BYTES = {"SOURCE_DATE_EPOCH": "315532800", "PYTHONHASHSEED": "0"}
 SILENT = re.compile(
@@ -156,7 +156,7 @@ def own_wheel(store: Store) -> File:
 @cache
 def tools(*names: str) -> str:
     """Return a Python that has these, in the versions of locks/build.txt: ours, or one made."""
-    locked = {pin.name: pin.version for pin in pins(BUILD_LOCK.read_text(), "amd64")}
+    locked = {pin.name: pin.version for pin in pins(BUILD_LOCK.read_text(), "x86_64")}
 
     def here(name: str) -> bool:
         try:

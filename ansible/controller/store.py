@@ -14,7 +14,7 @@ from common import read_json, say, sha256, write_json
 from packaging.tags import Tag, compatible_tags, cpython_tags
 from packaging.utils import InvalidWheelFilename, parse_wheel_filename
 
-from docker.lock import Pin
+from locks import Pin
 from qrobot.errors import RemoteError
 
 # glibc 2.28 is what the locks are tested with; Debian bookworm has 2.36.
@@ -31,11 +31,6 @@ class Target:
 
     def __str__(self) -> str:
         return f"Python {self.python} on {self.machine}"
-
-    @property
-    def arch(self) -> str:
-        """Debian's name of the machine."""
-        return {"aarch64": "arm64", "x86_64": "amd64"}[self.machine]
 
     @property
     def platforms(self) -> list[str]:

@@ -25,21 +25,18 @@ from fetch import fetch, line, own_wheel
 from packaging.utils import InvalidWheelFilename, parse_wheel_filename
 from store import File, Store, Target
 
-from docker.lock import Pin, pins
+from locks import LOCKS, MACHINES, PYTHONS, ROBOTS, Pin, lock_of, pins
 from qrobot.errors import BackendError, InputError
 
-LOCKS = {"solver": "solver.txt", "edge": "edge.txt", "lab": "full.txt"}
-PYTHONS = ("3.11", "3.13")
-MACHINES = ("aarch64", "x86_64")
 BYTECODE = 1.5  # installed files with their compiled form, as a multiple of the files
 
 
 def main() -> None:
     options = arguments()
     python = choice("python", options.python, PYTHONS)
-    target = Target(python, choice("machine", options.machine, MACHINES))
-    profile = choice("profile", options.profile, LOCKS)
-    lock = options.lock or ROOT / "locks" / LOCKS[profile]
+    target = Target(python, choice("machine", options.machine, MACHINES.values()))
+    profile = choice("profile", options.profile, ROBOTS)
+    lock = options.lock or LOCKS / lock_of(profile)
     folder = options.dest
     wanted = read_lock(lock, target)
     uv_pin = next((pin for pin in read_lock(options.uv_lock, target) if pin.name == "uv"), None)
@@ -98,7 +95,7 @@ def read_lock(path: Path, target: Target) -> list[Pin]:
         why = getattr(error, "strerror", None) or "it is not text"
         raise InputError(f"not readable ({why})", source=str(path), field="lock") from None
     try:
-        found = sorted(pins(text, target.arch, target.python), key=lambda pin: pin.name)
+        found = sorted(pins(text, target.machine, target.python), key=lambda pin: pin.name)
     except ValueError as error:
         why = str(error).splitlines()[0]
         raise InputError(f"no lock ({why})", source=str(path), mend="run `make lock`") from None

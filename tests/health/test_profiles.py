@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
+import locks
 from qrobot.errors import InputError
 from qrobot.health import PROFILES, all_checks, choose
 from qrobot.health.check import first_profile
@@ -100,6 +101,10 @@ def test_an_installation_brings_what_its_checks_need(name: str) -> None:
     if check.extra is not None and not all(map(installed, brought_directly(lines))):
         pytest.skip(f"the extra {check.extra} is not installed as a whole")
     assert set(check.distributions) - {"qrobot"} <= brought
+
+
+def test_profiles_are_those_of_the_locks() -> None:
+    assert [profile for profile in locks.PROFILES if profile != "dev"] == list(PROFILES)
 
 
 def test_profiles_are_nested() -> None:

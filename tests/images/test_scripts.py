@@ -29,8 +29,8 @@ def names(text: str, machine: str) -> set[str]:
 
 
 def above(lock: str, below: str, arch: str) -> str:
-    script = [sys.executable, ROOT / "docker/above.py", LOCKS / lock, LOCKS / below, arch]
-    return subprocess.run(script, capture_output=True, text=True, check=True).stdout
+    script = [sys.executable, "-m", "locks.above", LOCKS / lock, LOCKS / below, arch]
+    return subprocess.run(script, cwd=ROOT, capture_output=True, text=True, check=True).stdout
 
 
 @pytest.mark.parametrize(("arch", "machine"), [("arm64", "aarch64"), ("amd64", "x86_64")])
