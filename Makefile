@@ -51,13 +51,11 @@ source = qrobot tests ansible benchmarks docker docs/hooks examples healthchecks
 
 help: ## list the targets
 	@echo 'qRobot: orders in, a checked picking plan out.'
-	@echo
-	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-16s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## |^##@ ' '/^##@ / { print "\n" $$2 } /^[a-z0-9-]+:.*## / { printf "  make %-16s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 	@echo
 	@echo '  Variables: PYTHON=$(PYTHON)  VENV=$(VENV)  PROFILE=$(PROFILE)  PYTEST_ARGS="$(PYTEST_ARGS)"'
 
-setup: $(stamp)-dev ## make .venv for development: solver, tests, checks, docs, provisioning
-	@echo "$(VENV) is ready for development"
+##@ Plan
 
 install: $(stamp)-$(PROFILE) ## make .venv for use: PROFILE=base, solver (default), edge or full
 	@echo "$(VENV) is ready: $(PROFILE)"
@@ -70,15 +68,20 @@ demo: $(stamp)-solver ## plan the example warehouse: a plan and its picture in b
 	@echo 'The plan:    $(CURDIR)/build/demo/plan.json'
 	@echo 'The picture: $(CURDIR)/build/demo/plan.svg (the same as plan.png)'
 
+tutorial: $(stamp)-dev $(stamp)-edge ## run the tutorial as a notebook: build/tutorial.ipynb and .html
+	@mkdir -p build
+	$(bin)/python examples/run_tutorial.py build/tutorial.ipynb
+
+##@ Develop
+
+setup: $(stamp)-dev ## make .venv for development: solver, tests, checks, docs, provisioning
+	@echo "$(VENV) is ready for development"
+
 test: $(stamp)-dev ## run the tests (PYTEST_ARGS="-k name")
 	$(bin)/python -m pytest $(PYTEST_ARGS)
 
 test-stacks: $(stamp)-dev $(stamp)-edge ## run the tests of the quantum stacks too: installs the profile edge (1.5 GB)
 	$(bin)/python -m pytest $(PYTEST_ARGS) $(stack-tests) $(STACK_ARGS)
-
-tutorial: $(stamp)-dev $(stamp)-edge ## run the tutorial as a notebook: build/tutorial.ipynb and .html
-	@mkdir -p build
-	$(bin)/python examples/run_tutorial.py build/tutorial.ipynb
 
 notebooks: $(stamp)-dev $(stamp)-edge ## run the health checks as notebooks, copies in build/health
 	$(bin)/qrobot health --notebooks build/health
@@ -96,33 +99,33 @@ format: $(stamp)-dev ## put the code into the house style
 	$(bin)/ruff check --fix-only --quiet $(wildcard $(source))
 	$(bin)/ruff format $(wildcard $(source))
 
-docs: $(stamp)-dev ## build the site into build/site, with executed notebooks (QROBOT_DOCS_EXECUTE=false: without)
+docs: $(stamp)-dev ## build the site into build/site (QROBOT_DOCS_EXECUTE=false: notebooks without outputs)
 	NO_MKDOCS_2_WARNING=1 $(bin)/mkdocs build --strict --quiet
 	@echo 'The site: $(CURDIR)/build/site/index.html'
 
 bench: $(stamp)-dev ## measure on this machine and write docs/benchmarks.md anew
 	$(bin)/python benchmarks/run.py $(BENCH_ARGS)
 
-image-tools: ## install what builds and runs images here (root, Debian): buildah, skopeo, mmdebstrap, docker.io, qemu-user-static
-	apt-get update --quiet=2
-	apt-get install --yes --quiet=2 --no-install-recommends $(image-packages)
+dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
+	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist
 
-image: ## build an image: TARGET=solver, edge or lab, PLATFORM=linux/arm64,linux/amd64, RELEASE=trixie or bookworm
-	docker/image.sh $(TARGET) $(PLATFORM) $(RELEASE)
-	@if docker info >/dev/null 2>&1; then \
-	  docker/load.sh $(patsubst linux/%,qrobot:$(TARGET)-$(RELEASE)-%,$(subst $(comma), ,$(PLATFORM))); \
-	else \
-	  echo 'No Docker engine answers: the image stays with buildah'; \
-	fi
+lock: .venv-lock/bin/uv ## make the locks anew after a change of pyproject.toml, versions kept
+	locks/compile.sh $<
 
-test-images: $(stamp)-dev ## build the images for this machine and hold them to what docs/images.md says
-	@set -eu; \
-	if [ "$$(docker/engine.sh start)" = started ]; then trap 'docker/engine.sh stop' EXIT; fi; \
-	for target in $(IMAGES); do docker/image.sh $$target $(PLATFORM) $(RELEASE); done; \
-	QROBOT_IMAGES=$(RELEASE) QROBOT_TARGETS='$(IMAGES)' $(bin)/python -m pytest tests/images
+lock-upgrade: .venv-lock/bin/uv ## make the locks anew with the newest versions allowed
+	locks/compile.sh $< --upgrade
 
-test-arm64: ## prove the arm64 images on an emulated Cortex-A72: reports in build/arm64
-	docker/test-arm64.sh
+lock-verify: .venv-lock/bin/uv $(stamp)-dev ## install every lock for every platform into a scratch folder, print sizes
+	$(bin)/python -m locks.verify --install $<
+
+clean: ## remove what was built; keep the environments
+	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find $(wildcard $(source)) -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean ## remove the environments too
+	rm -rf .venv .venv-*
+
+##@ Robots
 
 provision: $(stamp)-provision ## from a bare Pi to a healthy robot: INVENTORY=, LIMIT=, ANSIBLE_ARGS="--check --diff"
 	$(play) provision $(robots)
@@ -150,6 +153,13 @@ wheelhouse: $(stamp)-provision ## collect a robot's wheels beforehand, for Pytho
 	  $(bin)/python ansible/controller/wheelhouse.py --profile $(WHEELHOUSE_PROFILE) --python $$python --strict || exit; \
 	done
 
+test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind that boots in a namespace (root)
+	QROBOT_ROLES=1 $(bin)/python -m pytest -n 2 --dist loadfile tests/ansible/test_roles.py tests/ansible/test_roles_change.py \
+	  tests/ansible/test_roles_ssh.py tests/ansible/test_roles_lost.py tests/ansible/test_roles_pi.py \
+	  tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
+
+##@ A virtual Pi
+
 virtual-pi-tools: ## install what runs the virtual Pi (root, Debian): qemu-system-arm, qemu-utils, mmdebstrap, mtools
 	apt-get update --quiet=2
 	apt-get install --yes --quiet=2 --no-install-recommends $(virtual-pi-packages)
@@ -166,33 +176,32 @@ virtual-pi-stop: ## shut the virtual Pi down
 virtual-pi-reset: ## throw the virtual Pi's disk away: the next start is a first boot
 	ansible/virtual-pi/virtual-pi.sh reset
 
-test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind that boots in a namespace (root)
-	QROBOT_ROLES=1 $(bin)/python -m pytest -n 2 --dist loadfile tests/ansible/test_roles.py tests/ansible/test_roles_change.py \
-	  tests/ansible/test_roles_ssh.py tests/ansible/test_roles_lost.py tests/ansible/test_roles_pi.py \
-	  tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
-
 test-virtual-pi: $(stamp)-provision ## prove the playbooks on the virtual Pi (hours): STEPS="bare provision again"
 	$(pip) install --require-hashes --requirement locks/build.txt
 	PYTHONPATH=tests $(bin)/python -m virtual_pi.prove $(STEPS)
 
-dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
-	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist
+##@ Images
 
-lock: .venv-lock/bin/uv ## make the locks anew after a change of pyproject.toml, versions kept
-	locks/compile.sh $<
+image-tools: ## install what builds and runs images here (root, Debian): buildah, skopeo, mmdebstrap, docker.io, qemu-user-static
+	apt-get update --quiet=2
+	apt-get install --yes --quiet=2 --no-install-recommends $(image-packages)
 
-lock-upgrade: .venv-lock/bin/uv ## make the locks anew with the newest versions allowed
-	locks/compile.sh $< --upgrade
+image: ## build an image: TARGET=solver, edge or lab, PLATFORM=linux/arm64,linux/amd64, RELEASE=trixie or bookworm
+	docker/image.sh $(TARGET) $(PLATFORM) $(RELEASE)
+	@if docker info >/dev/null 2>&1; then \
+	  docker/load.sh $(patsubst linux/%,qrobot:$(TARGET)-$(RELEASE)-%,$(subst $(comma), ,$(PLATFORM))); \
+	else \
+	  echo 'No Docker engine answers: the image stays with buildah'; \
+	fi
 
-lock-verify: .venv-lock/bin/uv $(stamp)-dev ## install every lock for every platform into a scratch folder, print sizes
-	$(bin)/python -m locks.verify --install $<
+test-images: $(stamp)-dev ## build the images for this machine and hold them to what docs/images.md says
+	@set -eu; \
+	if [ "$$(docker/engine.sh start)" = started ]; then trap 'docker/engine.sh stop' EXIT; fi; \
+	for target in $(IMAGES); do docker/image.sh $$target $(PLATFORM) $(RELEASE); done; \
+	QROBOT_IMAGES=$(RELEASE) QROBOT_TARGETS='$(IMAGES)' $(bin)/python -m pytest tests/images
 
-clean: ## remove what was built; keep the environments
-	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find $(wildcard $(source)) -name __pycache__ -type d -prune -exec rm -rf {} +
-
-distclean: clean ## remove the environments too
-	rm -rf .venv .venv-*
+test-arm64: ## prove the arm64 images on an emulated Cortex-A72: reports in build/arm64
+	docker/test-arm64.sh
 
 # --- environments ---------------------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -130,6 +131,16 @@ def test_the_reference_has_every_public_name(site: Path, pages: dict[Path, Page]
 def test_every_check_has_its_page(site: Path) -> None:
     for name in all_checks():
         assert (site / f"notebooks/check_{name.replace('-', '_')}/index.html").exists(), name
+
+
+def test_measured_parts_have_a_chart(site: Path) -> None:
+    page = (site / "benchmarks/index.html").read_text()
+    charts = set(re.findall(r"chart-([a-z]+)-title", page))
+    assert charts <= {path.stem for path in (ROOT / "benchmarks/results").glob("*.json")}
+    assert len(charts) >= 9
+    cvrplib = json.loads((ROOT / "benchmarks/results/cvrplib.json").read_text())["rows"]
+    for row in cvrplib:
+        assert f"<title>{row['instance']}: {100 * row['gap']:.2f}</title>" in page
 
 
 def test_the_versions_of_the_schemas_are_those_of_the_code() -> None:
