@@ -142,7 +142,7 @@ CHARTS: dict[str, tuple[str, str, Callable[[dict[str, Any]], Rows]]] = {
     "paper": ("Paper-shaped", "Median time of backend auto until the proof, milliseconds", paper),
     "raw": (
         "What `neal` finds",
-        "One robot, aisles, compact encoding: best of 100 reads (of 100 random plans) optimal, per cent",
+        "One robot, aisles: best of 100 reads (of 100 random plans) optimal, per cent",
         raw,
     ),
     "gates": (

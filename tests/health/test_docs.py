@@ -110,7 +110,7 @@ def test_the_table_of_drift_is_that_of_the_code() -> None:
     told = {row[0].strip("| "): row[-1] for row in rows if len(row) == 3}
     for name, fact in (
         ("status of a steady finding", "memory"),
-        ("status of what is another at every moment, such as the temperature", "temperature"),
+        ("status of a finding that changes all the time, such as the temperature", "temperature"),
     ):
         one = samples.found(samples.report(), fact, status="good")
         other = samples.found(one, fact, status="warning")
