@@ -156,7 +156,7 @@ wheelhouse: $(stamp)-provision ## collect a robot's wheels beforehand, for Pytho
 test-roles: $(stamp)-dev ## run the playbooks on a Debian of this machine's kind that boots in a namespace (root)
 	QROBOT_ROLES=1 $(bin)/python -m pytest -n 2 --dist loadfile tests/ansible/test_roles.py tests/ansible/test_roles_change.py \
 	  tests/ansible/test_roles_ssh.py tests/ansible/test_roles_lost.py tests/ansible/test_roles_pi.py \
-	  tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
+	  tests/ansible/test_roles_recipe.py tests/ansible/test_fleet_machine.py tests/ansible/test_roles_lab.py
 
 ##@ A virtual Pi
 

@@ -198,7 +198,7 @@ class Machine:
         Parameters
         ----------
         name
-            Such as ``provision.yml``.
+            Such as ``provision.yml``; with a folder, one of other playbooks.
         options
             More for ansible-playbook.
         inventory
@@ -228,12 +228,13 @@ def playbook(
         "base_zram_percent": 0,  # swap would be the computer's
         **variables,
     }
+    path = PLAYBOOKS / name
     times = folder / "times.json"
     times.unlink(missing_ok=True)
     done = subprocess.run(
         [program("ansible-playbook"), "--inventory", folder / "inventory.ini",
-         "--extra-vars", json.dumps(settings), *options, PLAYBOOKS / name],
-        env=os.environ | {"ANSIBLE_CONFIG": str(PLAYBOOKS / "ansible.cfg"), "NO_COLOR": "1",
+         "--extra-vars", json.dumps(settings), *options, path],
+        env=os.environ | {"ANSIBLE_CONFIG": str(path.with_name("ansible.cfg")), "NO_COLOR": "1",
                           "ANSIBLE_NOCOLOR": "1", "QROBOT_TIMES": str(times), "COLUMNS": "400"},
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=HANG, check=False,
     )  # fmt: skip

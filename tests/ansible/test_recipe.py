@@ -1,0 +1,120 @@
+"""Who follows the recipe of a role has one that is selected, installed, compared, reset, linted."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fleet_house import ANSIBLE
+from recipe_house import PAGE, follow
+from release_house import program
+
+yaml = pytest.importorskip("yaml")
+
+
+@pytest.fixture(scope="module")
+def playbooks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return follow(tmp_path_factory.mktemp("checkout"))
+
+
+def run(playbooks: Path, *command: str | Path) -> subprocess.CompletedProcess[str]:
+    settings = os.environ | {
+        "ANSIBLE_CONFIG": str(playbooks / "ansible.cfg"), "ANSIBLE_NOCOLOR": "1",
+        "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+    }  # fmt: skip
+    return subprocess.run(
+        command, cwd=playbooks, env=settings, capture_output=True, text=True, check=False
+    )
+
+
+def owned(playbooks: Path, expression: str, **settings: Any) -> Any:
+    """Return what an expression of the roles is on a robot with these settings."""
+    task = {
+        "ansible.builtin.copy": {"content": expression, "dest": "{{ playbook_dir }}/told"},
+        "delegate_to": "localhost", "become": False,
+    }  # fmt: skip
+    roles = {path.name for path in (playbooks / "roles").iterdir()} & {"qrobot", "base", "reset"}
+    machine = {"codename": "trixie", "swap_managed": False}
+    files = [str(playbooks / f"roles/{role}/defaults/main.yml") for role in sorted(roles)]
+    one = {"hosts": "all", "gather_facts": False, "vars_files": files, "tasks": [task]}
+    (playbooks / "ask.yml").write_text(json.dumps([one]))
+    done = run(
+        playbooks, program("ansible-playbook"), "--inventory", "robot,", "--connection", "local",
+        "--extra-vars", json.dumps({"machine": machine, **settings}), "ask.yml",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads((playbooks / "told").read_text())
+
+
+def test_it_is_selected_by_its_tag_with_what_it_needs(playbooks: Path) -> None:
+    done = run(
+        playbooks, program("ansible-playbook"), "--inventory", "robot,", "--list-tasks",
+        "--tags", "lldp", "provision.yml",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "lldp : Say where the robot stands" in done.stdout
+    assert "base : Install Debian's packages" in done.stdout
+    assert "release : Install the release" not in done.stdout
+
+
+@pytest.mark.parametrize("switched", [True, False])
+def test_its_packages_are_installed_where_it_is_switched_on(
+    playbooks: Path, switched: bool
+) -> None:
+    asked = owned(playbooks, "{{ base_packages | to_json }}", qrobot_lldp=switched)
+    assert ("lldpd" in asked) == switched
+    assert "libgomp1" in asked
+
+
+def test_its_file_and_unit_are_compared_and_its_file_is_removed(playbooks: Path) -> None:
+    (play,) = yaml.safe_load((playbooks / "drift.yml").read_text())
+    (look,) = [task["qrobot_inventory"] for task in play["tasks"] if "qrobot_inventory" in task]
+    listed = f"{{{{ [{look['files'].strip('{} ')}, {look['units'].strip('{} ')}] | to_json }}}}"
+    files, units = owned(playbooks, listed)
+    assert "/etc/lldpd.d/qrobot.conf" in files
+    assert "lldpd.service" in units
+    assert "/etc/lldpd.d/qrobot.conf" in owned(playbooks, "{{ reset_files | to_json }}")
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [("vars/owns.yml", "  files: [/etc/lldpd.d/qrobot.conf]\n"), ("vars/owns.yml", "lldp_owns:"),
+     ("vars/owns.yml", "  units: [lldpd.service]\n")],
+)  # fmt: skip
+def test_it_passes_the_check_which_fails_where_a_part_of_the_recipe_is_left_out(
+    playbooks: Path, file: str, text: str
+) -> None:
+    check = (sys.executable, ANSIBLE / "controller/check_roles.py", playbooks)
+    assert run(playbooks, *check).returncode == 0
+    path = playbooks / "roles/lldp" / file
+    whole = path.read_text()
+    path.write_text(whole.replace(text, "x:" if text.endswith(":") else ""))
+    try:
+        done = run(playbooks, *check)
+    finally:
+        path.write_text(whole)
+    assert done.returncode == 1
+    assert "lldp" in done.stderr
+
+
+def test_it_passes_lint(playbooks: Path) -> None:
+    done = run(playbooks, program("yamllint"), "--strict", "roles/lldp", "provision.yml")
+    assert (done.returncode, done.stdout) == (0, "")
+    done = run(playbooks, program("ansible-lint"), "-q", "--nocolor", "provision.yml", "roles/lldp")
+    assert (done.returncode, done.stdout) == (0, ""), done.stderr
+
+
+def test_the_page_names_every_key_of_a_role() -> None:
+    keys = {
+        key
+        for path in ANSIBLE.glob("roles/*/vars/owns.yml")
+        for key in yaml.safe_load(path.read_text())[f"{path.parts[-3]}_owns"]
+    }
+    table = PAGE.read_text().partition("The keys of `owns.yml`")[2]
+    # These are for one role each.
+    assert {key for key in keys if f"| `{key}` |" not in table} == {"steps", "kernel_words"}
