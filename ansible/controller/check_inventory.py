@@ -50,7 +50,7 @@ def files(top: Path) -> Iterator[Path]:
 
 
 def check_syntax(path: Path) -> None:
-    """Refuse a file that is no YAML, with the line and the column."""
+    """Refuse a file that is not YAML, with the line and the column."""
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:

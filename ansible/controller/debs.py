@@ -52,7 +52,7 @@ def gather(options: argparse.Namespace, folder: Path) -> dict[str, Any]:
     packages = sorted(set(options.packages))
     for name in packages:
         if not NAME.fullmatch(name):
-            raise InputError(f"{name!r} is no name of a package", field="--packages")
+            raise InputError(f"{name!r} is not the name of a package", field="--packages")
     status, arch = facts(folder, options.arch)
     what = "\0".join([arch, *packages]).encode() + b"\0" + status
     key = hashlib.sha256(what).hexdigest()[:16]
@@ -95,7 +95,7 @@ def unpacked(path: Path) -> Iterator[Path]:
                             target.parent.mkdir(parents=True, exist_ok=True)
                             target.write_bytes(source.read())
         except (tarfile.TarError, EOFError):
-            raise InputError("no tar file", source=str(path), field="--facts") from None
+            raise InputError("is not a tar file", source=str(path), field="--facts") from None
         yield folder
 
 

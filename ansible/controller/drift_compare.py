@@ -48,7 +48,7 @@ class Checkout:
                 why = f"not readable ({error.strerror})"
                 raise InputError(why, source=str(path), field="lock") from None
             except ValueError as error:
-                why = f"no lock ({str(error).splitlines()[0]})"
+                why = f"is not a lock ({str(error).splitlines()[0]})"
                 raise InputError(why, source=str(path), mend="run `make lock`") from None
             if not found:
                 raise InputError("it pins nothing", source=str(path), mend="run `make lock`")

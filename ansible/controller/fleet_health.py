@@ -28,7 +28,7 @@ def main() -> None:
         asked = {robot["name"]: str(robot["why"]) for robot in json.load(sys.stdin)}
     except (ValueError, TypeError, KeyError):
         mend = 'give [{"name": ROBOT, "why": "" or why it sent none}]'
-        raise InputError("no list of robots", source="stdin", mend=mend) from None
+        raise InputError("is not a list of robots", source="stdin", mend=mend) from None
     reports: list[Report] = []
     silent = []
     for name, absent in asked.items():

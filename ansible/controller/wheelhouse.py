@@ -98,7 +98,9 @@ def read_lock(path: Path, target: Target) -> list[Pin]:
         found = sorted(pins(text, target.machine, target.python), key=lambda pin: pin.name)
     except ValueError as error:
         why = str(error).splitlines()[0]
-        raise InputError(f"no lock ({why})", source=str(path), mend="run `make lock`") from None
+        raise InputError(
+            f"is not a lock ({why})", source=str(path), mend="run `make lock`"
+        ) from None
     bare = [pin.name for pin in found if not pin.hashes]
     if bare or not found:
         problem = f"{bare[0]} has no hash" if bare else f"it pins nothing for {target}"
@@ -114,7 +116,7 @@ def given(path: Path, store: Store) -> File:
         name, tags = None, frozenset()
     if name != "qrobot" or not tags & store.target.tags:
         mend = "build one with `make dist`"
-        raise InputError("no wheel of qRobot", source=str(path), field="--wheel", mend=mend)
+        raise InputError("is not a wheel of qRobot", source=str(path), field="--wheel", mend=mend)
     with store.scratch() as folder:
         try:
             copy = Path(shutil.copyfile(path, folder / path.name))
@@ -186,7 +188,7 @@ def unpacked(path: Path) -> int:
         with zipfile.ZipFile(path) as wheel:
             return sum(entry.file_size for entry in wheel.infolist())
     except zipfile.BadZipFile:
-        raise BackendError(f"{path.name}: no wheel, it cannot be opened") from None
+        raise BackendError(f"{path.name} is not a wheel: it cannot be opened") from None
 
 
 def unpack_uv(store: Store, wheel: File, version: str) -> dict[str, str]:

@@ -261,7 +261,7 @@ def test_facts_in_a_tar_file(robot: Robot, tmp_path: Path) -> None:
     packed.write_bytes(packed.read_bytes()[:200])
     code, _, told = robot.start("app", given=("--facts", packed, "--arch", "arm64"))
     assert code == 2
-    assert "no tar file" in told
+    assert "is not a tar file" in told
 
 
 def test_keys_for_every_source(robot: Robot) -> None:

@@ -181,7 +181,7 @@ def test_robots_without_a_new_report_are_named(health: Any, tmp_path: Path) -> N
         ([{"name": "ill", "why": ""}, {"name": "x", "why": "away"}], 3, "x sent no report (away)"),
         ([{"name": "torn", "why": ""}], 3, "torn sent no report (its report cannot be used"),
         ([{"name": "x", "why": "away"}], 3, "0 machines"),
-        ({"a": 1}, 2, "no list of robots"),
+        ({"a": 1}, 2, "is not a list of robots"),
     ],
 )
 def test_the_program_tells_by_its_exit_code(

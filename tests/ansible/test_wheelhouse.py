@@ -150,7 +150,7 @@ def test_no_network_is_one_sentence(house: House) -> None:
         (["--profile", "all"], "--profile: all is not known; give solver or edge or lab"),
         (["--lock", "/nowhere/lock.txt"], "/nowhere/lock.txt: lock: not readable"),
         (["--wheel", "/nowhere/qrobot-1.0-py3-none-any.whl"], "not readable"),
-        (["--wheel", "/nowhere/other-1.0-py3-none-any.whl"], "no wheel of qRobot"),
+        (["--wheel", "/nowhere/other-1.0-py3-none-any.whl"], "is not a wheel of qRobot"),
     ],
 )
 def test_an_argument_that_cannot_be_used(house: House, words: list[str], sentence: str) -> None:
@@ -160,7 +160,11 @@ def test_an_argument_that_cannot_be_used(house: House, words: list[str], sentenc
 
 @pytest.mark.parametrize(
     ("text", "sentence"),
-    [("one==1.0\n", "one has no hash"), ("# nothing\n", "pins nothing"), ("a==!\n", "no lock")],
+    [
+        ("one==1.0\n", "one has no hash"),
+        ("# nothing\n", "pins nothing"),
+        ("a==!\n", "is not a lock"),
+    ],
 )
 def test_a_lock_that_is_none(house: House, text: str, sentence: str) -> None:
     house.lock.write_text(text)
