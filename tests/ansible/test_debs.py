@@ -318,4 +318,4 @@ def test_facts_that_are_none(robot: Robot) -> None:
     assert "status is not what dpkg writes" in robot.refused(2, "app")
     (robot.facts / "arch").unlink()
     assert "arch is not readable" in robot.refused(2, "app")
-    assert "no name of a package" in robot.refused(2, "app;rm")
+    assert "is not the name of a package" in robot.refused(2, "app;rm")
