@@ -104,7 +104,7 @@ docs: $(stamp)-dev ## build the site into build/site (QROBOT_DOCS_EXECUTE=false:
 	@echo 'The site: $(CURDIR)/build/site/index.html'
 
 bench: $(stamp)-dev ## measure on this machine and write docs/benchmarks.md anew
-	$(bin)/python benchmarks/run.py $(BENCH_ARGS)
+	$(bin)/python -m benchmarks.run $(BENCH_ARGS)
 
 dist: $(stamp)-dev ## build the wheel and the source archive into build/dist
 	$(bin)/python -m hatchling build --clean --target wheel --target sdist --directory build/dist

@@ -1,6 +1,6 @@
 """K = 2 and 3: which backends give a plan by themselves, without repair?
 
-    python benchmarks/feasible_reads.py --seeds 10
+    PYTHONPATH=tests python -m benchmarks.feasible_reads --seeds 10
 
 Instances in the paper's shape (tests/oracles.py), n = 2 to 5, each with a plan. A cell says in how
 many instances at least one raw read is a plan, in how many one is optimal, and the mean shares of
@@ -20,15 +20,13 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="qrobot-bench-")
-
 from oracles import least_distance, paper_shaped
-from outputs import write
 
 import qrobot
+from benchmarks.outputs import write
 from qrobot.backends import registry
 from qrobot.backends.dwave.qpu import DWaveQPUSampler
+from qrobot.study.render import markdown_table
 
 BACKENDS = ("neal", "tabu", "descent", "dwave-qpu", "qaoa-swap", "qaoa-grover")
 
@@ -91,28 +89,29 @@ def main() -> None:
     parser.add_argument("--backends", default=",".join(BACKENDS))
     parser.add_argument("--json", type=Path)
     chosen = parser.parse_args()
-    registry.BUILTIN["dwave-qpu"] = ("feasible_reads", "StandIn", "dwave.system")
-    sys.modules.setdefault("feasible_reads", sys.modules[__name__])
+    os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="qrobot-bench-")
+    registry.BUILTIN["dwave-qpu"] = ("benchmarks.feasible_reads", "StandIn", "dwave.system")
     rows = []
-    table = [
-        "| backend | K | n | instances | some plan | some optimal | feasible | random | "
-        "optimal | random |",
-        "|" + "---|" * 10,
-    ]
-    print("\n".join(table))
+    heads = [
+        "backend", "K", "n", "instances", "some plan", "some optimal", "feasible", "random",
+        "optimal", "random",
+    ]  # fmt: skip
+    found: list[list[str]] = []
     for backend in chosen.backends.split(","):
         for robots in (2, 3):
             for items in (2, 3, 4, 5):
                 rows.append(cell(backend, items, robots, chosen.seeds))
                 r = rows[-1]
-                cells = [
-                    backend, robots, items, r["instances"], r["with_plan"], r["with_optimum"],
+                found.append([
+                    backend, str(robots), str(items),
+                    *(str(r[name]) for name in ("instances", "with_plan", "with_optimum")),
                     f"{r['feasible']:.3f}", f"{r['random_feasible']:.2g}",
                     f"{r['optimal']:.3f}", f"{r['random_optimal']:.2g}",
-                ]  # fmt: skip
-                table.append("| " + " | ".join(map(str, cells)) + " |")
-                print(table[-1], flush=True)
-    write({"rows": rows, "markdown": "\n".join(table) + "\n"}, chosen.json)
+                ])  # fmt: skip
+                print(*found[-1], file=sys.stderr, flush=True)
+    table = "\n".join(markdown_table(heads, found, left={0})) + "\n"
+    print(table)
+    write({"rows": rows, "markdown": table}, chosen.json)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """The paper's rows n = 2..12 by gate-model methods, each beside its random control.
 
-    python benchmarks/gate_rows.py --json build/bench/gate-rows.json
+    python -m benchmarks.gate_rows --json build/bench/gate-rows.json
 
 Weights are the paper's (8, 8, 3, 3, 1, 2, 4) divided by 3 and rounded up, in a sequence that has
 no common unit, then ones: so one robot of M = 15 (n up to 9) or 25 can carry everything. The
@@ -21,13 +21,13 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
-from outputs import write
 
+from benchmarks.gate_row import GateRow, grover_row, one_hot_row, penalty_row, subspace_row
+from benchmarks.outputs import write
 from qrobot.backends.gate import DiagonalQAOA, Form
+from qrobot.study.render import markdown_table
 from qrobot.study.reproduce.instances import paper_instance as paper_row
 from qrobot.study.reproduce.instances import penalty_model
-from qrobot.study.reproduce.row import GateRow
-from qrobot.study.reproduce.rows import grover_row, one_hot_row, penalty_row, subspace_row
 
 FIELDS = (
     ("method", "method", "{}"),
@@ -94,17 +94,11 @@ def warmed() -> float:
 
 def as_markdown(found: list[GateRow]) -> str:
     """Return the rows as a table."""
-    lines = [
-        "| " + " | ".join(title for title, _, _ in FIELDS) + " |",
-        "|" + "---|" * len(FIELDS),
+    cells = [
+        ["-" if values[name] is None else form.format(values[name]) for _, name, form in FIELDS]
+        for values in (row.as_dict() for row in found)
     ]
-    for row in found:
-        values = {**row.as_dict()}
-        cells = [
-            "-" if values[name] is None else form.format(values[name]) for _, name, form in FIELDS
-        ]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+    return "\n".join(markdown_table([title for title, _, _ in FIELDS], cells, left={0})) + "\n"
 
 
 def main() -> None:

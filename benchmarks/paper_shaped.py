@@ -1,6 +1,6 @@
 """Backend auto on 200 random instances in the paper's shape, against a subset programme.
 
-    python benchmarks/paper_shaped.py --json build/bench/paper-shaped.json
+    PYTHONPATH=tests python -m benchmarks.paper_shaped --json build/bench/paper-shaped.json
 
 n = 2..12 items, K = 1..4 robots, tight capacity: M = max(heaviest, ceil(1.1 W / K)). The
 optimum (or that none exists) comes from `tests/oracles.py`, which shares no code with the
@@ -11,15 +11,12 @@ from __future__ import annotations
 
 import argparse
 import statistics
-import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
-
 from oracles import paper_shaped, subset_programme
-from outputs import write
 
 import qrobot
+from benchmarks.outputs import write
 from qrobot.backends import Stop
 
 

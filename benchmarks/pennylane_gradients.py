@@ -1,6 +1,6 @@
 """Adjoint gradients against parameter-shift on lightning.qubit, at equal steps.
 
-    python benchmarks/pennylane_gradients.py --items 3 --steps 10
+    PYTHONPATH=tests python -m benchmarks.pennylane_gradients --items 3 --steps 10
 
 The same sampler, model, seed and optimiser (Adam); only ``diff_method`` differs. Both must
 walk the same way: the histories are compared.
@@ -15,14 +15,13 @@ import time
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import numpy as np
-from outputs import write
 from stacks.pickings import table2_model
 
+from benchmarks.outputs import write
 from qrobot.backends.pennylane.sampler import PennyLaneVQE
+from qrobot.study.render import markdown_table
 
 
 def measure(items: int, steps: int, ansatz: str, layers: int, alpha: float) -> dict[str, float]:
@@ -55,20 +54,20 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=5)
     parser.add_argument("--json", type=Path)
     chosen = parser.parse_args()
-    table = [
-        "| ansatz | layers | alpha | adjoint, ms a step | parameter-shift | ratio | apart |",
-        "|" + "---|" * 7,
-    ]
+    heads = ["ansatz", "layers", "alpha", "adjoint, ms a step", "parameter-shift", "ratio", "apart"]
+    cells = []
     for ansatz, layers in (("hardware", 1), ("hardware", 3), ("problem", 1)):
         for alpha in (1.0, 0.05):
             found = measure(chosen.items, chosen.steps, ansatz, layers, alpha)
-            table.append(
-                f"| {ansatz} | {layers} | {alpha:g} | {1e3 * found['adjoint']:.1f} | "
-                f"{1e3 * found['parameter-shift']:.1f} | {found['ratio']:.1f} | "
-                f"{found['apart']:.0e} |"
-            )
-            print(table[-1], flush=True)
-    write({"items": chosen.items, "markdown": "\n".join(table) + "\n"}, chosen.json)
+            milliseconds = (1e3 * found[how] for how in ("adjoint", "parameter-shift"))
+            cells.append([
+                ansatz, str(layers), f"{alpha:g}", *(f"{ms:.1f}" for ms in milliseconds),
+                f"{found['ratio']:.1f}", f"{found['apart']:.0e}",
+            ])  # fmt: skip
+            print(*cells[-1], file=sys.stderr, flush=True)
+    table = "\n".join(markdown_table(heads, cells, left={0})) + "\n"
+    print(table)
+    write({"items": chosen.items, "markdown": table}, chosen.json)
 
 
 if __name__ == "__main__":

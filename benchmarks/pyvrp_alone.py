@@ -1,6 +1,6 @@
 """PyVRP as it comes, with the robots' number of trips: the peer of backend auto.
 
-    python benchmarks/pyvrp_alone.py FOLDER --robots-for 'X-*=free' -t 10 --json out.json
+    python -m benchmarks.pyvrp_alone FOLDER --robots-for 'X-*=free' -t 10 --json out.json
 
 The same file format as `qrobot bench`, so both make one table. PyVRP gets whole distances, its
 own default parameters and the same seconds; nothing of this package but the reader.
@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 import pyvrp
-from outputs import write
 from pyvrp.stop import MaxRuntime
 
+from benchmarks.outputs import write
 from qrobot.problem.formats import read
-from qrobot.report.machine import machine
 from qrobot.study.bench import BENCH_SCHEMA, Task, find_instances, tasks
+from qrobot.study.runner import measured_here
 
 
 def solve(task: Task) -> dict[str, Any]:
@@ -79,8 +79,7 @@ def main() -> None:
     arguments = parser.parse_args()
     report: dict[str, Any] = {
         "schema": BENCH_SCHEMA,
-        "machine": machine(),
-        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        **measured_here(),
         "rows": [],
     }
     for task in tasks(

@@ -1,6 +1,6 @@
 """One QAOA layer on a complete graph: ours beside Aer, lightning and plain numpy.
 
-    python benchmarks/qaoa_layer.py --json build/bench/qaoa-layer.json \
+    python -m benchmarks.qaoa_layer --json build/bench/qaoa-layer.json \
         --markdown build/bench/qaoa-layer.md
 
 One thread for everybody, in one process, turn by turn, the best of some repeats; wall-clock and
@@ -31,11 +31,12 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import dimod
 import numpy as np
-from outputs import write
 
+from benchmarks.outputs import write
 from qrobot.backends.gate.form import Form, diagonal
 from qrobot.backends.gate.memory import pair
 from qrobot.backends.gate.state.engine import make_engine
+from qrobot.study.render import markdown_table
 
 GAMMA, BETA = 0.1, -0.4
 DTYPES = {"double": np.float64, "single": np.float32}
@@ -231,19 +232,15 @@ def agreement(methods: list[str]) -> dict[str, float]:
 
 def as_markdown(rows: list[dict[str, Any]], methods: list[str]) -> str:
     """Return processor seconds as a table, and how many times Aer takes ours."""
-    lines = [
-        "| qubits | precision | " + " | ".join(methods) + " | Aer / ours, cpu | wall |",
-        "|" + "---|" * (len(methods) + 4),
-    ]
+    lines = []
     for row in rows:
         cells = [f"{row[name]['cpu']:.4f}" for name in methods]
         ratio = ["-", "-"]
         if "Aer" in row and "ours, numba" in row:
             ratio = [f"{row['Aer'][k] / row['ours, numba'][k]:.1f}" for k in ("cpu", "wall")]
-        lines.append(
-            "| " + " | ".join([str(row["qubits"]), row["precision"], *cells, *ratio]) + " |"
-        )
-    return "\n".join(lines) + "\n"
+        lines.append([str(row["qubits"]), row["precision"], *cells, *ratio])
+    heads = ["qubits", "precision", *methods, "Aer / ours, cpu", "wall"]
+    return "\n".join(markdown_table(heads, lines, left={1})) + "\n"
 
 
 def main() -> None:

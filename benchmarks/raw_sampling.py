@@ -1,6 +1,6 @@
 """What `neal` finds by itself: no repair, no polish, only its reads, decoded.
 
-    python benchmarks/raw_sampling.py --seeds 20 --json build/bench/raw_sampling.json
+    python -m benchmarks.raw_sampling --seeds 20 --json build/bench/raw_sampling.json
 
 Random instances in the paper's shape: n items of 1 to 10 kg, M = max(heaviest,
 ceil(1.1 W / K)), on an open floor of 100 x 100 m and in an aisle warehouse of 2 blocks with
@@ -20,8 +20,8 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from outputs import write
 
+from benchmarks.outputs import write
 from qrobot.backends.annealing.neal import NealSampler
 from qrobot.models import PickingModel, build_model
 from qrobot.problem import (
@@ -36,6 +36,7 @@ from qrobot.problem import (
     Slot,
     Warehouse,
 )
+from qrobot.study.render import markdown_table
 
 READS = 100
 TRIES = 200_000
@@ -213,21 +214,26 @@ def run(seeds: int, encodings: list[str], *, quiet: bool = False) -> list[dict[s
 
 
 def table(rows: list[dict[str, object]]) -> str:
-    lines = [
-        "| where | K | n | encoding | qubits | feasible reads | a feasible read | optimal | "
-        "optimal reads | gap of the best | seconds (worst) | control: optimal | control: gap |",
-        "|---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
+    heads = [
+        "where", "K", "n", "encoding", "qubits", "feasible reads", "a feasible read", "optimal",
+        "optimal reads", "gap of the best", "seconds (worst)", "control: optimal", "control: gap",
+    ]  # fmt: skip
+    cells = [
+        [
+            *(str(r[name]) for name in ("where", "robots", "items", "encoding")),
+            f"{r['variables']:.0f}",
+            f"{r['feasible_reads']:.2f}",
+            f"{r['with_feasible_read']:.0%}",
+            f"{r['optimal']:.0%}",
+            f"{r['optimal_reads']:.3f}",
+            "–" if r["mean_gap"] is None else f"{100 * float(str(r['mean_gap'])):.1f} %",
+            f"{r['median_seconds']:.2f} ({r['worst_seconds']:.2f})",
+            f"{r['control_optimal']:.0%}",
+            f"{100 * float(str(r['control_mean_gap'])):.0f} %",
+        ]
+        for r in rows
     ]
-    for r in rows:
-        gap = "–" if r["mean_gap"] is None else f"{100 * float(str(r['mean_gap'])):.1f} %"
-        lines.append(
-            f"| {r['where']} | {r['robots']} | {r['items']} | {r['encoding']} | "
-            f"{r['variables']:.0f} | {r['feasible_reads']:.2f} | {r['with_feasible_read']:.0%} | "
-            f"{r['optimal']:.0%} | {r['optimal_reads']:.3f} | {gap} | "
-            f"{r['median_seconds']:.2f} ({r['worst_seconds']:.2f}) | "
-            f"{r['control_optimal']:.0%} | {100 * float(str(r['control_mean_gap'])):.0f} % |"
-        )
-    return "\n".join(lines)
+    return "\n".join(markdown_table(heads, cells, left={0, 3}))
 
 
 def main() -> None:

@@ -1,8 +1,8 @@
 """Measure on this machine and write docs/benchmarks.md anew: `make bench`.
 
-    python benchmarks/run.py                 # everything (about half an hour)
-    python benchmarks/run.py --only startup,paper
-    python benchmarks/run.py --pages         # write the page from the results that are there
+    python -m benchmarks.run                 # everything (about half an hour)
+    python -m benchmarks.run --only startup,paper
+    python -m benchmarks.run --pages         # write the page from the results that are there
 
 Each part writes benchmarks/results/PART.json; the page is made from those files alone. The
 instances of QOBLIB and CVRPLIB are not part of the project: their parts run where the folder
@@ -14,21 +14,19 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent
-RESULTS = HERE / "results"
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "benchmarks" / "results"
 PAGE = ROOT / "docs" / "benchmarks.md"
 
-sys.path.insert(0, str(HERE))
 
-from pages import page
-
+from benchmarks.pages import page
 from qrobot.report.machine import machine
 
 
@@ -43,9 +41,10 @@ def script(name: str, *arguments: str) -> dict[str, Any]:
     out = ROOT / "build" / "bench" / f"{name}.json"
     out.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run(
-        [sys.executable, str(HERE / f"{name}.py"), *arguments, "--json", str(out)],
+        [sys.executable, "-m", f"benchmarks.{name}", *arguments, "--json", str(out)],
         check=True,
         cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT / "tests")},  # oracles.py and others
     )
     loaded: dict[str, Any] = json.loads(out.read_text())
     return loaded

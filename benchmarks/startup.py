@@ -1,6 +1,6 @@
 """What it costs to start: help, imports, building a model, and the memory of one plan.
 
-    python benchmarks/startup.py --json build/bench/startup.json
+    PYTHONPATH=tests python -m benchmarks.startup --json build/bench/startup.json
 
 Every time is the least of several fresh processes, given beside its peer from the same run.
 """
@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-from outputs import write
+from benchmarks.outputs import write
 
 ROOT = Path(__file__).resolve().parent.parent
 HEAVY = ("qiskit", "pennylane", "braket", "numba", "matplotlib", "ortools", "pandas", "scipy")
@@ -45,7 +45,6 @@ def peak_mb(*command: str) -> float:
 
 def build_milliseconds() -> float:
     """Return the least time to build the reduced model of n = 12, K = 3."""
-    sys.path.insert(0, str(ROOT / "tests"))
     from oracles import paper_shaped
 
     from qrobot.models import build_model

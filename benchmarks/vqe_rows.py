@@ -1,6 +1,6 @@
 """VQE on the paper's table 2, n = 2 and 3: what it reads by itself, beside random reads.
 
-    python benchmarks/vqe_rows.py --sdk qiskit,pennylane,braket --items 2,3 --seeds 10
+    PYTHONPATH=tests python -m benchmarks.vqe_rows --sdk qiskit,braket --items 2,3 --seeds 10
 
 Default options of each sampler on its local device; one seed makes the instance and runs the
 search. Nothing is repaired. ``P(optimum)``: of the final state, exactly; ``raw``: the share of
@@ -21,17 +21,21 @@ from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import dimod
 import numpy as np
-from outputs import write
 from stacks.pickings import shortest, table2, table2_model
 
+from benchmarks.outputs import write
 from qrobot.backends import get
 from qrobot.backends.gate.form import bits_of
+from qrobot.study.render import markdown_table
 
 READS = 2000
+HEADS = (
+    "SDK", "n", "qubits", "raw >= 10 x random", "P(optimum)", "raw", "random", "ratio", "feasible",
+    "random", "best read optimal", "runs", "seconds",
+)  # fmt: skip
 
 
 def row(sdk: str, items: int, seed: int, **options: Any) -> dict[str, Any]:
@@ -74,7 +78,7 @@ def feasible_by_chance(items: int, seed: int) -> float:
     return float(model.decode_all(every)[0].mean())
 
 
-def summary(rows: list[dict[str, Any]]) -> str:
+def summary(rows: list[dict[str, Any]]) -> list[str]:
     """Return the rows of one SDK and size as one line of a table."""
     probability, ratio, raw, feasible, chance, seconds, evaluations = (
         np.median([one[name] for one in rows])
@@ -85,13 +89,20 @@ def summary(rows: list[dict[str, Any]]) -> str:
     )  # fmt: skip
     first = rows[0]
     hit = sum(one["best"] is not None and one["best"] < one["optimum"] + 1e-6 for one in rows)
-    return (
-        f"| {first['sdk']} | {first['items']} | {first['qubits']} | "
-        f"{sum(one['raw'] >= 10 * one['random'] for one in rows)} of {len(rows)} | "
-        f"{probability:.3f} | {raw:.3f} | {first['random']:.1e} | {ratio:.0f} | "
-        f"{feasible:.2f} | {chance:.2g} | "
-        f"{hit} of {len(rows)} | {evaluations:.0f} | {seconds:.1f} |"
-    )
+    often = sum(one["raw"] >= 10 * one["random"] for one in rows)
+    return [
+        *(str(first[name]) for name in ("sdk", "items", "qubits")),
+        f"{often} of {len(rows)}",
+        f"{probability:.3f}",
+        f"{raw:.3f}",
+        f"{first['random']:.1e}",
+        f"{ratio:.0f}",
+        f"{feasible:.2f}",
+        f"{chance:.2g}",
+        f"{hit} of {len(rows)}",
+        f"{evaluations:.0f}",
+        f"{seconds:.1f}",
+    ]
 
 
 def main() -> None:
@@ -105,12 +116,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     chosen = parser.parse_args()
     kept: list[dict[str, Any]] = []
-    table = [
-        "| SDK | n | qubits | raw >= 10 x random | P(optimum) | raw | random | ratio | feasible | "
-        "random | best read optimal | runs | seconds |",
-        "|" + "---|" * 13,
-    ]
-    print("\n".join(table))
+    found: list[list[str]] = []
     for sdk in chosen.sdk.split(","):
         row(sdk, 2, 0, evaluations=2, starts=1)  # imports and compilation
         for items in map(int, chosen.items.split(",")):
@@ -118,10 +124,11 @@ def main() -> None:
             for seed in range(chosen.first, chosen.first + chosen.seeds):
                 rows.append(row(sdk, items, seed, **chosen.options))
                 print(json.dumps(rows[-1]), file=sys.stderr, flush=True)
-            table.append(summary(rows))
-            print(table[-1], flush=True)
+            found.append(summary(rows))
             kept += rows
-    write({"reads": READS, "rows": kept, "markdown": "\n".join(table) + "\n"}, chosen.json)
+    table = "\n".join(markdown_table(HEADS, found, left={0})) + "\n"
+    print(table)
+    write({"reads": READS, "rows": kept, "markdown": table}, chosen.json)
 
 
 if __name__ == "__main__":

@@ -13,13 +13,19 @@ from typing import IO, AnyStr
 
 import psutil
 
-__all__ = ["HANG", "await_text", "children", "end", "gone", "until"]
+__all__ = ["HANG", "await_text", "children", "end", "gone", "until", "with_our_modules"]
 
 HANG = 900.0
 """Seconds after which a thing hangs, however busy the machine is."""
 
 LASTING = ("multiprocessing.resource_tracker", "multiprocessing.forkserver")
 """Children that Python keeps for its whole life."""
+
+
+def with_our_modules() -> dict[str, str]:
+    """Return the environment of a process that imports these modules by their names."""
+    here = Path(__file__).resolve().parent
+    return os.environ | {"PYTHONPATH": os.pathsep.join([str(here), str(here.parent)])}
 
 
 def until(condition: Callable[[], object], what: str, *, patience: float = HANG) -> None:

@@ -113,7 +113,7 @@ def test_no_files_import_each_other_in_a_circle() -> None:
 
 
 def test_modules_are_short_and_the_path_is_left_alone() -> None:
-    folders = ("qrobot", "ansible", "docker", "locks", "healthchecks")
+    folders = ("qrobot", "ansible", "benchmarks", "docker", "healthchecks", "locks", "tests")
     for path in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
         text = path.read_text()
         assert text.count("\n") <= LONGEST, path

@@ -11,12 +11,18 @@ import numpy as np
 import pytest
 from oracles import paper_shaped
 
+from benchmarks.gate_row import (
+    GateRow,
+    grover_row,
+    one_hot_row,
+    paper_qubits,
+    penalty_row,
+    subspace_row,
+)
 from qrobot.backends.gate import feasible_set
 from qrobot.errors import InputError
 from qrobot.models import PickingModel, build_model
 from qrobot.problem import Instance
-from qrobot.study.reproduce.row import GateRow, paper_qubits
-from qrobot.study.reproduce.rows import grover_row, one_hot_row, penalty_row, subspace_row
 
 
 def penalty_model(instance: Instance) -> PickingModel:

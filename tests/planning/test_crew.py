@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 from oracles import paper_shaped
-from processes import HANG, gone, until
+from processes import HANG, gone, until, with_our_modules
 
 from qrobot.backends import Routes
 from qrobot.planning.crew import Crew, spare_cores
@@ -63,7 +63,7 @@ def test_closing_ends_helpers_before_their_deadline() -> None:
 
 def test_helpers_end_when_their_parent_is_killed() -> None:
     code = (
-        "import sys, time; sys.path.insert(0, 'tests')\n"
+        "import sys, time\n"
         "from oracles import paper_shaped\n"
         "from qrobot.planning.crew import Crew\n"
         "c = Crew(paper_shaped(40, 4, 1), 'batching', 0, 1e6, None, 1)\n"
@@ -72,7 +72,7 @@ def test_helpers_end_when_their_parent_is_killed() -> None:
     )
     parent = subprocess.Popen(
         [sys.executable, "-c", code],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=with_our_modules(),
     )  # fmt: skip
     assert parent.stdout is not None
     pid = int(parent.stdout.readline())

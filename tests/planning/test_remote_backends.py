@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from oracles import least_distance, paper_shaped
-from processes import HANG
+from processes import HANG, with_our_modules
 
 import qrobot
 from qrobot.backends import registry
@@ -146,11 +146,9 @@ def test_the_commands_do_the_same_in_processes_of_their_own(
         "from qrobot.cli import main\n"
         f"main(['jobs', 'fetch', {job!r}, '--plan', {str(plan)!r}])\n"
     )
-    tests, root = Path(__file__).parents[1], Path(__file__).parents[2]
-    script = f"import sys; sys.path[:0] = [{str(tests)!r}, {str(root)!r}]\n{script}"
     done = subprocess.run(
         [sys.executable, "-c", script],
-        capture_output=True, text=True, check=False,
+        capture_output=True, text=True, check=False, env=with_our_modules(),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "written:" in done.stdout

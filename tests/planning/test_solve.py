@@ -18,7 +18,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import least_distance, paper_shaped, subset_programme
-from processes import HANG
+from processes import HANG, with_our_modules
 from strategies import instances
 
 import qrobot
@@ -227,8 +227,7 @@ def test_a_request_returns_the_best_plan_so_far() -> None:
 def test_ctrl_c_returns_the_best_plan_so_far() -> None:
     """In a process of its own: pytest-xdist's workers do not listen to Ctrl-C."""
     code = """
-import os, signal, sys, threading
-sys.path[:0] = ['tests', '.']
+import os, signal, threading
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from oracles import paper_shaped
 import qrobot
@@ -239,8 +238,9 @@ assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 print(result.ended, qrobot.check(result.plan, result.instance).ok)
 """
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT
-    )
+        [sys.executable, "-c", code],
+        capture_output=True, text=True, check=False, cwd=ROOT, env=with_our_modules(),
+    )  # fmt: skip
     assert done.stdout.split() == ["interrupted", "True"], done.stderr
 
 

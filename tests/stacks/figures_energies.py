@@ -1,6 +1,6 @@
 """One picking model in docplex, dimod, Qiskit, PennyLane and Braket: are energies equal?
 
-    python tests/stacks/figures_energies.py
+    PYTHONPATH=tests python -m stacks.figures_energies
 
 On all assignments of models of up to 12 qubits, and on 10,000 random ones at K = 2, n = 4.
 Every operator is evaluated by what its SDK says it is: the matrices of Qiskit and PennyLane
@@ -12,12 +12,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
-import sys
 from fractions import Fraction
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 import numpy as np
 import pytest

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -18,15 +19,92 @@ from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
 from qrobot.backends.gate.form import Form
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
 from qrobot.backends.gate.state.subspace import SubspaceQAOA, expected_best, one_hot
-from qrobot.backends.gate.tune import SHARPER, sharpen
+from qrobot.backends.gate.tune import SHARPER, Tuning, sharpen
 from qrobot.errors import InputError
 from qrobot.models import PickingModel
 from qrobot.problem import Instance
-from qrobot.study.reproduce.row import GateRow, make_row
 
-__all__ = ["grover_row", "one_hot_row", "penalty_row", "subspace_row"]
+__all__ = ["GateRow", "grover_row", "one_hot_row", "paper_qubits", "penalty_row", "subspace_row"]
 
 Units = tuple[Sequence[float], Sequence[float]]
+
+
+@dataclass(frozen=True, slots=True)
+class GateRow:
+    """What a gate-model method says about an instance by itself.
+
+    Parameters
+    ----------
+    method
+        ``penalty``, ``swap``, ``swap-all``, ``grover`` (enumerated or counted) or ``one-hot``.
+    items, robots, capacity
+        n, K and the largest capacity M in units of weight.
+    qubits
+        Qubits of the paper's penalty form: K n (n + 1) + K ceil(log2 M).
+    states
+        States that were simulated, or that amplitudes were counted for.
+    layers, evaluations, seconds
+        p, runs of the circuit in the search, and seconds for everything: building, searching
+        and the final state.
+    distance
+        Of the optimum.
+    probability, uniform
+        Of reading an optimal plan in one shot, and the control: the same for a uniformly random
+        state (of all bit strings for the penalty form, of all feasible plans otherwise).
+    feasible, feasible_uniform
+        Probability that one shot is a feasible plan, and the same for the control.
+    mean
+        Mean distance of the feasible shots.
+    shots
+        Shots that the next fields speak of.
+    seen, seen_uniform
+        Probability that an optimal plan is among the shots, and the same for the control.
+    best, best_uniform
+        Expected best distance of the shots and of the control's; ``None`` where shots may all
+        be infeasible.
+    gammas, betas
+        Angles; gammas in units of one over the spread of the cost, so that they carry over to
+        other instances.
+    """
+
+    method: str
+    items: int
+    robots: int
+    capacity: int
+    qubits: int
+    states: int
+    layers: int
+    evaluations: int
+    seconds: float
+    distance: float
+    probability: float
+    uniform: float
+    feasible: float
+    feasible_uniform: float
+    mean: float
+    shots: int
+    seen: float
+    seen_uniform: float
+    best: float | None
+    best_uniform: float | None
+    gammas: tuple[float, ...]
+    betas: tuple[float, ...]
+
+    @property
+    def gain(self) -> float:
+        """How many times more probable the optimum is than in the control."""
+        return self.probability / self.uniform
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data, the gain included."""
+        return {**asdict(self), "gain": self.gain}
+
+
+def paper_qubits(instance: Instance) -> int:
+    """Return K n (n + 1) + the sum over robots of ceil(log2 M): the paper's tables 2 and 3."""
+    n = instance.size
+    bits = sum(max(int(room) - 1, 0).bit_length() for room in instance.capacities)
+    return len(instance.capacities) * n * (n + 1) + bits
 
 
 def penalty_row(
@@ -207,7 +285,7 @@ def grover_row(
     p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
     seconds = time.perf_counter() - began
     uniform = counted.counts / counted.size
-    return make_row(
+    return _measured(
         instance, "grover", found, seconds, shots, qaoa.spread,
         distance=float(counted.levels[0]),
         states=counted.size,
@@ -222,4 +300,43 @@ def grover_row(
 
 
 def _row(method: str, plans: FeasibleSet, *arguments: Any, **values: Any) -> GateRow:
-    return make_row(plans.instance, method, *arguments, distance=float(plans.costs.min()), **values)
+    return _measured(
+        plans.instance, method, *arguments, distance=float(plans.costs.min()), **values
+    )
+
+
+def _measured(
+    instance: Instance,
+    method: str,
+    found: Tuning,
+    seconds: float,
+    shots: int,
+    spread: float,
+    *,
+    probability: float,
+    uniform: float,
+    best: float | None = None,
+    best_uniform: float | None = None,
+    **values: Any,
+) -> GateRow:
+    """Return a row from what a method measured; `values` are the fields that it knows."""
+    return GateRow(
+        method=method,
+        items=instance.size,
+        robots=len(instance.capacities),
+        capacity=int(instance.capacities.max()),
+        qubits=paper_qubits(instance),
+        layers=len(found.gammas),
+        evaluations=found.evaluations,
+        seconds=seconds,
+        probability=probability,
+        uniform=uniform,
+        shots=shots,
+        seen=-float(np.expm1(shots * np.log1p(-min(probability, 1.0 - 1e-16)))),
+        seen_uniform=-float(np.expm1(shots * np.log1p(-min(uniform, 1.0 - 1e-16)))),
+        best=best,
+        best_uniform=best_uniform,
+        gammas=tuple(g * spread for g in found.gammas),
+        betas=found.betas,
+        **values,
+    )
