@@ -49,5 +49,5 @@ def _text(value: object) -> str:
     text = str(value)
     text = text if len(text) <= LONGEST else f"{text[:LONGEST]} ..."
     # A notebook is UTF-8: a name that is not must not keep it from being saved.
-    plain = text.encode("utf-8", "backslashreplace").decode()
-    return escape(plain).replace("\n", "<br/>")
+    text = text.encode("utf-8", "backslashreplace").decode()
+    return escape(text).replace("\n", "<br/>")

@@ -172,8 +172,8 @@ def _is_list(value: Any) -> bool:
 
 def near(name: str, known: Iterable[str]) -> str:
     """Return ``did you mean ...?`` for a name that is like a known one, else nothing."""
-    plain = {other.replace("_", "").replace("-", "").lower(): other for other in sorted(known)}
+    spelled = {other.replace("_", "").replace("-", "").lower(): other for other in sorted(known)}
     found = difflib.get_close_matches(
-        name.replace("_", "").replace("-", "").lower(), plain, n=1, cutoff=0.7
+        name.replace("_", "").replace("-", "").lower(), spelled, n=1, cutoff=0.7
     )
-    return f"did you mean {plain[found[0]]}?" if found else ""
+    return f"did you mean {spelled[found[0]]}?" if found else ""

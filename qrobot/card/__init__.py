@@ -5,10 +5,10 @@ turns it into the files that Raspberry Pi OS reads on its first boot, and `write
 the boot partition. Secrets are hashed before they reach a file.
 """
 
-from qrobot.card.card import Written, write_card
+from qrobot.card.card import RELEASES, Written, seed_files, write_card
 from qrobot.card.keys import public_keys
 from qrobot.card.secrets import checked_passphrase, password_hash, wifi_key
-from qrobot.card.seed import RELEASES, Security, Seed, StaticAddress, Wifi, seed_files
+from qrobot.card.seed import Security, Seed, StaticAddress, Wifi
 
 __all__ = [
     "RELEASES",

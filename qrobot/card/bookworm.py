@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 import uuid
 
-from qrobot.card.model import Seed, Wifi
 from qrobot.card.quoting import keyfile_ssid, keyfile_text, quoted
+from qrobot.card.seed import Seed, Wifi
 from qrobot.errors import InputError
 
 __all__ = ["KEYFILE", "NAMES", "files"]

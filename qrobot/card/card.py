@@ -11,9 +11,13 @@ from pathlib import Path
 
 from qrobot._files import StrPath, write_text_atomic
 from qrobot.card import bookworm, trixie
+from qrobot.card.seed import Seed
 from qrobot.errors import InputError
 
-__all__ = ["Written", "write_card"]
+__all__ = ["RELEASES", "Written", "seed_files", "write_card"]
+
+RELEASES = {"trixie": trixie.files, "bookworm": bookworm.files}
+"""Releases of Raspberry Pi OS, and who writes their files."""
 
 # What the files of a fresh image say beside comments; nobody loses anything with them.
 _STOCK = {
@@ -42,6 +46,23 @@ class Written:
     changed: tuple[Path, ...]
     warnings: tuple[str, ...]
     instance_id: str | None
+
+
+def seed_files(seed: Seed, release: str = "trixie") -> dict[str, str]:
+    """Return name and text of every file, in the sequence they are to be written.
+
+    Raises
+    ------
+    InputError
+        When the release is unknown, or its first boot does not read what the seed holds.
+    """
+    if release not in RELEASES:
+        raise InputError(
+            f"{release!a} is not a release that is known",
+            field="--release",
+            mend=f"use one of: {', '.join(RELEASES)}",
+        )
+    return RELEASES[release](seed)
 
 
 def write_card(

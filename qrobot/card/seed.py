@@ -1,29 +1,232 @@
-"""The files that tell a first boot, for each release of Raspberry Pi OS."""
+"""What a robot's first boot is told; a value that no first boot would take cannot be made."""
 
 from __future__ import annotations
 
-from qrobot.card import bookworm, trixie
-from qrobot.card.model import Security, Seed, StaticAddress, Wifi
+import re
+import zoneinfo
+from dataclasses import dataclass
+from typing import Literal
+
+from qrobot.card.addresses import StaticAddress
+from qrobot.card.secrets import checked_passphrase
 from qrobot.errors import InputError
 
-__all__ = ["RELEASES", "Security", "Seed", "StaticAddress", "Wifi", "seed_files"]
+__all__ = ["Security", "Seed", "StaticAddress", "Wifi"]
 
-RELEASES = {"trixie": trixie.files, "bookworm": bookworm.files}
-"""Releases of Raspberry Pi OS, and who writes their files."""
+_ISO_3166 = (
+    "AD AE AF AG AI AL AM AO AQ AR AS AT AU AW AX AZ BA BB BD BE BF BG BH BI BJ BL BM BN BO BQ BR "
+    "BS BT BV BW BY BZ CA CC CD CF CG CH CI CK CL CM CN CO CR CU CV CW CX CY CZ DE DJ DK DM DO DZ "
+    "EC EE EG EH ER ES ET FI FJ FK FM FO FR GA GB GD GE GF GG GH GI GL GM GN GP GQ GR GS GT GU GW "
+    "GY HK HM HN HR HT HU ID IE IL IM IN IO IQ IR IS IT JE JM JO JP KE KG KH KI KM KN KP KR KW KY "
+    "KZ LA LB LC LI LK LR LS LT LU LV LY MA MC MD ME MF MG MH MK ML MM MN MO MP MQ MR MS MT MU MV "
+    "MW MX MY MZ NA NC NE NF NG NI NL NO NP NR NU NZ OM PA PE PF PG PH PK PL PM PN PR PS PT PW PY "
+    "QA RE RO RS RU RW SA SB SC SD SE SG SH SI SJ SK SL SM SN SO SR SS ST SV SX SY SZ TC TD TF TG "
+    "TH TJ TK TL TM TN TO TR TT TV TW TZ UA UG UM US UY UZ VA VC VE VG VI VN VU WF WS YE YT ZA ZM "
+    "ZW"
+)
+
+# Accounts and groups that Debian, Raspberry Pi OS or the playbooks make themselves.
+_TAKEN = (
+    "root daemon bin sys sync games man lp mail news uucp proxy www-data backup list irc nobody "
+    "adm tty disk kmem dialout fax voice cdrom floppy tape sudo audio dip operator src shadow utmp "
+    "video sasl plugdev staff users nogroup input kvm render crontab netdev gpio i2c spi lpadmin "
+    "sshd messagebus avahi polkitd lightdm dnsmasq pulse rtkit ssh ssl-cert docker "
+    "rpi-first-boot-wizard qrobot"
+)
 
 
-def seed_files(seed: Seed, release: str = "trixie") -> dict[str, str]:
-    """Return name and text of every file, in the sequence they are to be written.
+def check_host_name(text: str) -> str:
+    """Return a host name (RFC 1123, one label)."""
+    if "." in text:
+        raise _refused(text, "--hostname", "has a dot", "give the first part only")
+    if not re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?", text):
+        raise _refused(
+            text,
+            "--hostname",
+            "is not a host name",
+            "give 1 to 63 letters, digits and hyphens, with no hyphen at either end",
+        )
+    if text.lower() == "localhost" or text.isdigit():
+        raise _refused(text, "--hostname", "would be taken for another machine", "give a name")
+    return text
+
+
+def check_user_name(text: str) -> str:
+    """Return the name of an account, as the first boot of both releases takes it."""
+    if not re.fullmatch(r"[a-z][a-z0-9-]{0,31}", text):
+        raise _refused(
+            text,
+            "--user",
+            "is not a name that Raspberry Pi OS takes",
+            "give up to 32 small letters, digits and hyphens, beginning with a letter",
+        )
+    if text in _TAKEN.split():
+        raise _refused(text, "--user", "is an account or group of the system", "give another name")
+    return text
+
+
+def check_country_code(text: str) -> str:
+    """Return the code of a country (ISO 3166), in capitals."""
+    code = text.upper()
+    if code not in _ISO_3166.split():
+        mend = "give GB" if code == "UK" else "give the two letters of ISO 3166, such as DE"
+        raise _refused(text, "--wifi-country", "is not the code of a country", mend)
+    return code
+
+
+def check_ssid(text: str) -> str:
+    """Return the name of a Wi-Fi: 1 to 32 bytes."""
+    try:
+        size = len(text.encode())
+    except UnicodeEncodeError:  # bytes of an argument that are not UTF-8
+        size = 0
+    if not 1 <= size <= 32 or "\0" in text:
+        raise _refused(
+            text,
+            "--wifi-ssid",
+            "is not the name of a Wi-Fi",
+            "give 1 to 32 bytes of UTF-8 without NUL",
+        )
+    return text
+
+
+def check_time_zone(text: str) -> str:
+    """Return a time zone; where this machine has no list of them only the form is checked."""
+    known = zoneinfo.available_timezones()
+    form = re.fullmatch(r"[A-Za-z][A-Za-z0-9_+-]*(/[A-Za-z0-9_+-]+){0,2}", text)
+    # Debian's list has two that are none: a link to the machine's own, and a placeholder.
+    if not form or text in ("localtime", "Factory") or (known and text not in known):
+        raise _refused(text, "--timezone", "is not a time zone", "give one such as Europe/Berlin")
+    return text
+
+
+def check_locale_name(text: str) -> str:
+    """Return a locale of UTF-8."""
+    if not re.fullmatch(r"(C|[a-z]{2,3}_[A-Z]{2})\.UTF-8(@[a-z]+)?", text):
+        raise _refused(
+            text, "--locale", "is not a locale of UTF-8", "give one such as de_DE.UTF-8 or C.UTF-8"
+        )
+    return text
+
+
+def check_keyboard(text: str) -> str:
+    """Return the layout of a keyboard, as XKB calls it."""
+    if not re.fullmatch(r"[a-z]{2,12}", text):
+        raise _refused(text, "--keyboard", "is not a layout", "give one such as de, gb or us")
+    return text
+
+
+def _refused(value: str, field: str, problem: str, mend: str) -> InputError:
+    return InputError(f"{value!a} {problem}", field=field, mend=mend)
+
+
+Security = Literal["wpa2", "mixed", "wpa3"]
+"""How a robot proves that it may join a Wi-Fi."""
+
+
+@dataclass(frozen=True)
+class Wifi:
+    """A Wi-Fi to join.
+
+    Parameters
+    ----------
+    ssid
+        Name of the network, 1 to 32 bytes of UTF-8.
+    key
+        For ``wpa2`` 64 hexadecimal digits, as `wifi_key` derives them; for the others the
+        passphrase itself, 8 to 63 printable characters of ASCII.
+    country
+        Where the robot works (ISO 3166): it decides which channels may be used.
+    hidden
+        The network does not tell its name.
+    security
+        ``wpa2``: by the derived key (PSK); ``mixed``: by WPA2 or WPA3, as the access point likes;
+        ``wpa3``: by WPA3 only. WPA3 (SAE) cannot be done with a derived key.
 
     Raises
     ------
     InputError
-        When the release is unknown, or its first boot does not read what the seed holds.
+        When a value has another form.
     """
-    if release not in RELEASES:
-        raise InputError(
-            f"{release!a} is not a release that is known",
-            field="--release",
-            mend=f"use one of: {', '.join(RELEASES)}",
+
+    ssid: str
+    key: str
+    country: str
+    hidden: bool = False
+    security: Security = "wpa2"
+
+    def __post_init__(self) -> None:
+        check_ssid(self.ssid)
+        object.__setattr__(self, "country", check_country_code(self.country))
+        if self.security == "wpa2":
+            if not re.fullmatch(r"[0-9a-f]{64}", self.key):
+                raise InputError(
+                    "is not a derived key", field="key", mend="derive it with wifi_key()"
+                )
+        else:
+            checked_passphrase(self.key, field="key")
+
+    def __repr__(self) -> str:
+        return (
+            f"Wifi({self.ssid!r}, country={self.country!r}, hidden={self.hidden},"
+            f" security={self.security!r})"
         )
-    return RELEASES[release](seed)
+
+
+@dataclass(frozen=True)
+class Seed:
+    """All that a first boot is told.
+
+    Parameters
+    ----------
+    hostname
+        Name of the machine, without a domain.
+    user
+        The account that logs in.
+    keys
+        Public keys of SSH that open it, as `public_keys` returns them.
+    password
+        Hash of its password, as `password_hash` returns it; none: only the keys open it.
+    wifi
+        The Wi-Fi to join; none: only the cable.
+    timezone, locale, keyboard
+        Such as ``Europe/Berlin``, ``de_DE.UTF-8`` and ``de``; none: as the image has it.
+    address
+        A static address, of the Wi-Fi where there is one, otherwise of the cable.
+
+    Raises
+    ------
+    InputError
+        When a value has another form; names the option of the command line.
+    """
+
+    hostname: str
+    user: str
+    keys: tuple[str, ...]
+    password: str | None = None
+    wifi: Wifi | None = None
+    timezone: str | None = None
+    locale: str | None = None
+    keyboard: str | None = None
+    address: StaticAddress | None = None
+
+    def __post_init__(self) -> None:
+        check_host_name(self.hostname)
+        check_user_name(self.user)
+        if not self.keys:
+            raise InputError(
+                "there is no key, and nobody could log in", field="--key", mend="give a public key"
+            )
+        if self.password is not None and not re.fullmatch(r"\$[!-9;-~]+", self.password):
+            raise InputError(
+                "is not a hash", field="password", mend="make one with password_hash()"
+            )
+        if self.timezone is not None:
+            check_time_zone(self.timezone)
+        if self.locale is not None:
+            check_locale_name(self.locale)
+        if self.keyboard is not None:
+            check_keyboard(self.keyboard)
+
+    def __repr__(self) -> str:
+        return f"Seed({self.hostname!r}, {self.user!r}, {len(self.keys)} keys)"

@@ -10,8 +10,8 @@ from __future__ import annotations
 import hashlib
 import ipaddress
 
-from qrobot.card.model import Seed, Wifi
 from qrobot.card.quoting import Value, netplan_ssid, yaml_text
+from qrobot.card.seed import Seed, Wifi
 
 __all__ = ["NAMES", "files", "instance_id"]
 

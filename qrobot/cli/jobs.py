@@ -40,7 +40,7 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
     from qrobot.backends import get
     from qrobot.backends.jobs import refresh_all
     from qrobot.jobs import JobStore
-    from qrobot.jobs.text import jobs_table
+    from qrobot.jobs.samples import jobs_table
 
     with JobStore() as store:
         jobs = store.list(None if refresh else state, backend)
@@ -65,7 +65,7 @@ def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> Non
     from qrobot.backends import get
     from qrobot.backends.jobs import fetch
     from qrobot.jobs import JobStore
-    from qrobot.jobs.text import samples_report, samples_text
+    from qrobot.jobs.samples import samples_report, samples_text
     from qrobot.report.outputs import check_outputs
 
     check_outputs([path for path in (output, plan) if path])

@@ -18,8 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from qrobot._processes import end_family, end_group, name_signal, resident_memory
-from qrobot.health.place import environment, own_folder
-from qrobot.health.process import MARK, Limits
+from qrobot.health.process import MARK, Limits, environment, own_folder
 
 __all__ = ["Session"]
 

@@ -46,7 +46,7 @@ QUBITS = 4
 """The circuits use the first spins only."""
 
 GAMMA, BETA = 0.21, 0.37
-"""Angles of the circuit; any that are no multiple of a symmetry serve."""
+"""Angles of the circuit; any will do that is not a multiple of a symmetry."""
 
 
 def small_fields() -> tuple[int, ...]:

@@ -64,8 +64,8 @@ class CheckResult:
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON; a number that is not finite becomes ``None``."""
         return asdict(self) | {
-            "answer": _plain(self.answer),
-            "expected": _plain(self.expected),
+            "answer": _finite(self.answer),
+            "expected": _finite(self.expected),
         }
 
 
@@ -216,7 +216,7 @@ class Report:
         }
 
 
-def _plain(numbers: tuple[float | None, ...] | None) -> list[float | None] | None:
+def _finite(numbers: tuple[float | None, ...] | None) -> list[float | None] | None:
     if numbers is None:
         return None
     return [n if n is not None and math.isfinite(n) else None for n in numbers]

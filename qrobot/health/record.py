@@ -85,7 +85,7 @@ def read_report(path: StrPath) -> Report:
     Raises
     ------
     InputError
-        When the file cannot be read, is no JSON, no report of health, or of a newer qRobot;
+        When the file cannot be read, is not JSON, not a report of health, or of a newer qRobot;
         in one sentence, with the field.
     """
     from pydantic import ValidationError
@@ -96,13 +96,13 @@ def read_report(path: StrPath) -> Report:
         data = json.loads(text, parse_int=_whole, parse_float=_finite, parse_constant=_finite)
     except json.JSONDecodeError as error:
         raise InputError(
-            f"is no JSON: {error.msg}",
+            f"is not JSON: {error.msg}",
             source=source,
             field=f"line {error.lineno}, column {error.colno}",
             mend=MEND,
         ) from None
     except (RecursionError, ValueError):  # nested without end, or a number beyond all bounds
-        raise InputError("is no report", source=source, mend=MEND) from None
+        raise InputError("is not a report", source=source, mend=MEND) from None
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
         raise InputError(*_strange(schema), source=source, field="schema", mend=_update(schema))
@@ -123,11 +123,14 @@ def read_report(path: StrPath) -> Report:
         made.astimezone(UTC)
     except (ValueError, OverflowError):  # OverflowError: in UTC the year is below 1
         raise InputError(
-            f"{found.made[:40]!r} is no time with its zone", source=source, field="made", mend=MEND
+            f"{found.made[:40]!r} is not a time with its zone",
+            source=source,
+            field="made",
+            mend=MEND,
         ) from None
     if len(found.host) > LONGEST:
         raise InputError(
-            f"a name of {len(found.host)} letters is no host's",
+            f"a name of {len(found.host)} letters is not that of a host",
             source=source,
             field="host",
             mend=MEND,
@@ -157,7 +160,7 @@ def _number(schema: object) -> int | None:
 def _strange(schema: object) -> tuple[str]:
     if _number(schema) is not None:
         return (f"{schema} is not {SCHEMA}, which this qRobot reads",)
-    return (f"is no report of qrobot health (this field must be {SCHEMA!r})",)
+    return (f"is not a report of qrobot health (this field must be {SCHEMA!r})",)
 
 
 def _update(schema: object) -> str:

@@ -14,8 +14,7 @@ from qrobot._processes import name_signal
 from qrobot.errors import InputError
 from qrobot.health.check import Check, difference
 from qrobot.health.model import CheckResult, Status
-from qrobot.health.place import ROOT, own_folder
-from qrobot.health.process import Limits, Process
+from qrobot.health.process import ROOT, Limits, Process, own_folder
 
 __all__ = ["ROOT", "Limits", "run", "run_all"]
 

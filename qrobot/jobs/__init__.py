@@ -11,10 +11,9 @@ from qrobot.jobs.driver import fetch_job, refresh, run_job
 from qrobot.jobs.job import Answer, Estimate, RemoteJob, State
 from qrobot.jobs.redaction import redact, redact_data, register_secret
 from qrobot.jobs.retry import Backoff, with_retries
-from qrobot.jobs.samples import plain
+from qrobot.jobs.samples import breakdown, json_data, timing_fields
 from qrobot.jobs.service import LIMITS, PARAMETERS, Keep, Options, RemoteService
 from qrobot.jobs.store import JobStore, default_path
-from qrobot.jobs.timing import breakdown, timing_fields
 
 __all__ = [
     "LIMITS",
@@ -37,7 +36,7 @@ __all__ = [
     "default_path",
     "device_price",
     "fetch_job",
-    "plain",
+    "json_data",
     "presence",
     "price",
     "redact",

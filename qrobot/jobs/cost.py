@@ -147,7 +147,7 @@ def check_budget(estimate: Estimate, max_cost: float | None) -> None:
     Raises
     ------
     InputError
-        When `max_cost` is no amount.
+        When `max_cost` is not an amount.
     BackendError
         When the estimate is above `max_cost`, or unknown while there is a limit.
     """

@@ -11,10 +11,9 @@ from qrobot.jobs.cost import check_budget
 from qrobot.jobs.job import Answer, Estimate, RemoteJob, pack_model
 from qrobot.jobs.redaction import redact
 from qrobot.jobs.retry import Kind, classify, with_retries
-from qrobot.jobs.samples import empty, tell
+from qrobot.jobs.samples import breakdown, empty, tell
 from qrobot.jobs.service import Options, RemoteService
 from qrobot.jobs.store import JobStore
-from qrobot.jobs.timing import breakdown
 
 if TYPE_CHECKING:
     import dimod

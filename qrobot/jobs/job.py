@@ -158,14 +158,14 @@ def pack_model(bqm: dimod.BinaryQuadraticModel) -> bytes:
     import numpy as np
 
     # A view (such as bqm.spin) or a model of Python objects cannot be written as it is.
-    plain = dimod.BinaryQuadraticModel(bqm.vartype, dtype=np.float64)
-    plain.add_linear_from(dict(bqm.linear))
-    plain.add_quadratic_from(dict(bqm.quadratic))
-    plain.offset = float(bqm.offset)
+    copy = dimod.BinaryQuadraticModel(bqm.vartype, dtype=np.float64)
+    copy.add_linear_from(dict(bqm.linear))
+    copy.add_quadratic_from(dict(bqm.quadratic))
+    copy.offset = float(bqm.offset)
     try:
-        with plain.to_file() as file:
+        with copy.to_file() as file:
             data = file.read()
-        same = dimod.BinaryQuadraticModel.from_file(data).variables == plain.variables
+        same = dimod.BinaryQuadraticModel.from_file(data).variables == copy.variables
     except (TypeError, ValueError):
         same = False
     if not same:

@@ -61,7 +61,7 @@ def _known() -> Iterator[str]:
     yield from secrets_in_files()
 
 
-def _faces(value: str) -> Iterator[str]:
+def _spellings(value: str) -> Iterator[str]:
     """Yield the ways in which a value may be written."""
     yield value
     yield urllib.parse.quote(value, safe="")
@@ -74,13 +74,18 @@ class _Sieve:
     """All that must not pass, gathered once for a text or a whole tree of data."""
 
     def __init__(self) -> None:
-        faces = {face for value in _known() if len(value) >= SHORTEST for face in _faces(value)}
-        self.faces = sorted(faces, key=len, reverse=True)
+        spellings = {
+            spelling
+            for value in _known()
+            if len(value) >= SHORTEST
+            for spelling in _spellings(value)
+        }
+        self.spellings = sorted(spellings, key=len, reverse=True)
 
     def values(self, text: str) -> str:
         """Return a text without the values that are known."""
-        for face in self.faces:
-            text = text.replace(face, MASK)
+        for spelling in self.spellings:
+            text = text.replace(spelling, MASK)
         return text
 
     def text(self, text: str) -> str:

@@ -30,7 +30,7 @@ __all__ = ["JobStore", "default_path"]
 VERSION = 1
 """Of the tables; kept in SQLite's user_version."""
 
-PATIENCE = 30.0
+BUSY_TIMEOUT = 30.0
 """Seconds to wait for other writers; a memory card takes a tenth of one for each change."""
 
 LARGEST_ANSWER = 20_000_000
@@ -82,7 +82,7 @@ class JobStore:
         except OSError as error:
             raise self._unusable(error.strerror or str(error)) from None
         with self._translated():
-            self._db = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
+            self._db = sqlite3.connect(self.path, timeout=BUSY_TIMEOUT, isolation_level=None)
             try:
                 self._prepare_in_turn()
             except BaseException:
@@ -93,9 +93,9 @@ class JobStore:
         """Prepare the file, and again while others prepare it.
 
         Two that switch a new file's journal at once would wait for each other; SQLite then refuses
-        one of them at once, without its patience.
+        one of them at once, without waiting.
         """
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + BUSY_TIMEOUT
         while True:
             try:
                 self._prepare()
@@ -166,9 +166,9 @@ class JobStore:
 
     def keep_answer(self, job: RemoteJob, samples: dimod.SampleSet) -> None:
         """Keep the samples of a job, when they are not too many."""
-        plain = samples.to_serializable()
-        plain["info"] = redact_data(plain["info"])
-        data = zlib.compress(json_text(plain).encode(), 6)
+        stored = samples.to_serializable()
+        stored["info"] = redact_data(stored["info"])
+        data = zlib.compress(json_text(stored).encode(), 6)
         if len(data) > LARGEST_ANSWER:
             return
         with self._translated():

@@ -10,7 +10,7 @@ import numpy as np
 from qrobot.backends import Routes, Stop
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError
-from qrobot.jobs import plain, redact_data
+from qrobot.jobs import json_data, redact_data
 from qrobot.models import PickingModel, build_model
 from qrobot.planning.polish import random_routes, repair_and_polish
 from qrobot.planning.reads import split_options
@@ -205,7 +205,7 @@ def _report(
 
 def details_of(info: Any) -> dict[str, Any]:
     """Return what a sampler tells of itself as plain data: parameters, embedding, job."""
-    told = redact_data(plain(dict(info)))
+    told = redact_data(json_data(dict(info)))
     kept = {k: v for k, v in told.items() if not (isinstance(v, list) and len(v) > LONGEST)}
     kept.pop("history", None)
     return kept

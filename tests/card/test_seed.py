@@ -11,10 +11,9 @@ from card.made import HOSTILE, KEY, OTHER_KEY, name_of_keyfile, seed
 from hypothesis import given
 from hypothesis import strategies as st
 
-from qrobot.card import StaticAddress, Wifi, seed_files
+from qrobot.card import RELEASES, StaticAddress, Wifi, seed_files
 from qrobot.card import bookworm as bookworm_files
 from qrobot.card import trixie as trixie_files
-from qrobot.card.seed import RELEASES
 from qrobot.errors import InputError
 
 yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")

@@ -67,7 +67,7 @@ def test_options_reach_the_runner(planted: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["nope"], "'nope' is no check"),
+        (["nope"], "'nope' is not a check"),
         (["numpy", "--quick"], "--quick"),
         (["numpy", "--profile", "edge"], "--profile"),
         (["--profile", "vast"], "use one of: base, solver, edge, full"),
@@ -79,8 +79,8 @@ def test_options_reach_the_runner(planted: dict[str, Any]) -> None:
         (["--compare", "/no/such.json"], "/no/such.json"),
         (["compare", "/no/such.json", "x"], "/no/such.json"),
         (["merge", "/no/such.json"], "/no/such.json"),
-        (["--json", "merge"], "'merge' is no check"),
-        (["--", "merge"], "'merge' is no check"),
+        (["--json", "merge"], "'merge' is not a check"),
+        (["--", "merge"], "'merge' is not a check"),
     ],
 )
 def test_bad_input_is_one_sentence_before_any_check(

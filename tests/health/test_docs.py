@@ -18,8 +18,8 @@ from qrobot.health import PROFILES, Report, run, system_findings
 from qrobot.health.reports import compare, metrics
 from qrobot.health.reports.compare import LARGER, MEGABYTES, SECONDS, SLOWER
 from qrobot.health.system.board import HOT
-from qrobot.health.system.endpoints import SERVICES
 from qrobot.health.system.memory import FULL, LOW, SMALL, TIGHT
+from qrobot.health.system.network import SERVICES
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "health.md"
 

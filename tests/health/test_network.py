@@ -12,7 +12,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 import pytest
 
 from qrobot.health.system import network
-from qrobot.health.system.endpoints import SERVICES
+from qrobot.health.system.network import SERVICES
 
 
 class Refusing(BaseHTTPRequestHandler):

@@ -127,7 +127,7 @@ def test_quick_and_a_profile_go_together() -> None:
 
 @pytest.mark.parametrize(
     ("names", "profile", "told"),
-    [((), "robot", "'robot' is no profile"), (("numpy",), "edge", "--profile chooses")],
+    [((), "robot", "'robot' is not a profile"), (("numpy",), "edge", "--profile chooses")],
 )
 def test_a_bad_choice_is_refused(names: tuple[str, ...], profile: str, told: str) -> None:
     with pytest.raises(InputError, match=told):

@@ -13,7 +13,7 @@ from health.commands import code_of
 from health.samples import STRANGE
 
 from qrobot._text import printable
-from qrobot.cli.health.show import show_comparison, show_fleet, show_report
+from qrobot.cli.health.reports import show_comparison, show_fleet, show_report
 from qrobot.health.reports import compare, fleet
 
 OTHER = replace(

@@ -15,7 +15,7 @@ from qrobot.backends.gate.engine import Engine
 from qrobot.errors import RemoteError
 from qrobot.jobs import Estimate, Options, run_job
 from qrobot.jobs.circuits import CircuitJobs
-from qrobot.jobs.timing import PARTS
+from qrobot.jobs.samples import PARTS
 
 __all__ = ["JobEngine", "RemoteEngine"]
 

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import click
 
-from qrobot.cli.health.compare import compare_
-from qrobot.cli.health.merge import merge
+from qrobot.cli.health.reports import compare_, merge
 from qrobot.cli.health.run import run
 
 __all__ = ["command"]

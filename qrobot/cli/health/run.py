@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from qrobot.cli.health.limit import Limit
+from qrobot._json import json_text
 from qrobot.cli.options import FILE, written
 from qrobot.cli.streams import say, say_json
 
@@ -15,7 +16,46 @@ if TYPE_CHECKING:
     from qrobot.errors import InputError
     from qrobot.health import Check, CheckResult, Limits
 
-__all__ = ["run"]
+__all__ = ["Limit", "listing", "run"]
+
+
+class Limit(click.FloatRange):
+    """A finite number above zero: with ``nan`` or ``inf`` there would be no limit."""
+
+    def __init__(self) -> None:
+        super().__init__(min=0, min_open=True)
+
+    def convert(
+        self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the number."""
+        number = float(super().convert(value, param, ctx))  # type: ignore[arg-type]
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
+
+
+def listing(checks: list[Check], as_json: bool) -> str:
+    """Return the checks as a table or as JSON; none is run."""
+    from qrobot._text import columns
+
+    if as_json:
+        rows: list[dict[str, Any]] = [
+            {"name": c.name, "group": c.group, "title": c.title, "quick": c.quick,
+             "profile": c.profile, "expected_from": c.source, "extra": c.extra,
+             "versions": c.versions()}
+            for c in checks
+        ]  # fmt: skip
+        return json_text(rows, indent=1)
+    heads = ["check", "group", "computes", "quick", "profile", "installed"]
+    return columns(
+        heads,
+        [
+            [c.name, c.group, c.title, "yes" if c.quick else "no", c.profile,
+             next(iter(c.versions().values()), "no")]
+            for c in checks
+        ],
+    )  # fmt: skip
 
 
 class Run(click.Command):
@@ -97,8 +137,7 @@ def run(
       qrobot health --quick --compare yesterday.json
       qrobot health merge reports/*.json --html fleet.html
     """
-    from qrobot.cli.health.listing import listing
-    from qrobot.cli.health.show import show_report
+    from qrobot.cli.health.reports import show_report
     from qrobot.cli.signals import exit_on_signals
     from qrobot.errors import InputError
     from qrobot.health import Limits, choose, make_report, read_report, system_findings

@@ -55,13 +55,15 @@ def choose(
             )
     if profile is not None and profile not in PROFILES:
         raise InputError(
-            f"{profile!r} is no profile", field="profile", mend=f"use one of: {', '.join(PROFILES)}"
+            f"{profile!r} is not a profile",
+            field="profile",
+            mend=f"use one of: {', '.join(PROFILES)}",
         )
     known = all_checks()
     for name in names:
         if name not in known:
             raise InputError(
-                f"{name!r} is no check", field="NAMES", mend=f"use some of: {', '.join(known)}"
+                f"{name!r} is not a check", field="NAMES", mend=f"use some of: {', '.join(known)}"
             )
     chosen = [known[name] for name in dict.fromkeys(names)] or list(known.values())
     return [

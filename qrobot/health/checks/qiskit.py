@@ -31,11 +31,11 @@ def answer() -> list[float]:
     terms = [("Z", [k], float(field)) for k, field in enumerate(known.small_fields())]
     terms += [("ZZ", [i, j], float(v)) for (i, j), v in known.small_couplings().items()]
     energy = SparsePauliOp.from_sparse_list(terms, num_qubits=known.QUBITS)
-    plain = circuit()
+    made = circuit()
     lowered = transpile(
-        plain, basis_gates=["rz", "sx", "cx"], optimization_level=2, seed_transpiler=1
+        made, basis_gates=["rz", "sx", "cx"], optimization_level=2, seed_transpiler=1
     )
-    mean = StatevectorEstimator().run([(plain, energy)]).result()[0].data.evs
+    mean = StatevectorEstimator().run([(made, energy)]).result()[0].data.evs
     return [float(mean), *Statevector(lowered).probabilities().tolist()]
 
 

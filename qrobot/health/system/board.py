@@ -16,7 +16,7 @@ __all__ = ["THROTTLED", "board", "board_model"]
 HOT = 80.0
 """Degrees Celsius from which a Raspberry Pi 4 slows its cores."""
 
-PATIENCE = 0.4
+TIMEOUT = 0.4
 """Seconds that vcgencmd may take."""
 
 THROTTLED = {
@@ -93,7 +93,7 @@ def _throttled_bits(machine: Machine) -> int | None:
                 [tool, "get_throttled"],
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
-                timeout=PATIENCE,
+                timeout=TIMEOUT,
                 check=False,
             )
             told = done.stdout.decode(errors="replace")

@@ -1,9 +1,14 @@
-"""Whether the services can be reached: only when asked, all at once, and never for long."""
+"""Whether the quantum services can be reached: only when asked, all at once, and never for long.
+
+Each SDK is asked for its own configuration, so that a region or an endpoint that somebody set is
+the one that is tried; in a process of its own (``python -m qrobot.health.system.network
+SERVICE``), because it is slow and may die.
+"""
 
 from __future__ import annotations
 
 import http.client
-import os
+import importlib
 import queue
 import subprocess
 import sys
@@ -11,17 +16,54 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
 
 from qrobot._extras import is_installed
+from qrobot._processes import child_environment, python_command
 from qrobot.health.model import Finding
-from qrobot.health.system.endpoints import SERVICES
 
-__all__ = ["network_findings", "reach"]
+__all__ = ["SERVICES", "address", "network_findings", "reach"]
 
-ROOT = Path(__file__).resolve().parents[3]
-"""The folder that holds qRobot."""
+
+def _braket() -> str:
+    session: Any = importlib.import_module("botocore.session").Session()
+    region = session.get_config_variable("region") or "us-east-1"
+    return str(session.create_client("braket", region_name=region).meta.endpoint_url)
+
+
+def _ibm() -> str:
+    accounts: Any = importlib.import_module("qiskit_ibm_runtime.accounts")
+    try:
+        url = accounts.AccountManager.get(channel="ibm_quantum_platform").url
+    except accounts.AccountNotFoundError:
+        url = None
+    default = importlib.import_module("qiskit_ibm_runtime.accounts.account")
+    return str(url or default.IBM_QUANTUM_PLATFORM_API_URL)
+
+
+def _leap() -> str:
+    config: Any = importlib.import_module("dwave.cloud.config")
+    default = importlib.import_module("dwave.cloud.config.constants").DEFAULT_SOLVER_API_ENDPOINT
+    return str(config.load_config().get("endpoint") or default)
+
+
+SERVICES: dict[str, tuple[str, str, Callable[[], str]]] = {
+    "braket": ("Amazon Braket", "botocore", _braket),
+    "ibm": ("IBM Quantum", "qiskit_ibm_runtime", _ibm),
+    "leap": ("D-Wave Leap", "dwave.cloud", _leap),
+}
+"""Title, the module that is asked, and how."""
+
+
+def address(service: str) -> str:
+    """Return scheme, host and port of a service, without path, user or password."""
+    parts = urlsplit(SERVICES[service][2]())
+    port = f":{parts.port}" if parts.port else ""
+    return f"{parts.scheme}://{parts.hostname}{port}/"
+
 
 ANSWER, TELL = 5.0, 60.0
 """Seconds that a service has to answer, and an SDK to tell where it would turn to."""
@@ -58,7 +100,7 @@ def _name(service: str) -> str:
     return f"endpoint-{service}"
 
 
-def _finding(service: str, patience: float) -> Finding:
+def _finding(service: str, seconds: float) -> Finding:
     title, module, _ = SERVICES[service]
     about = (_name(service), title)
     if not is_installed(module):
@@ -67,7 +109,7 @@ def _finding(service: str, patience: float) -> Finding:
     if not url:
         text = "its SDK does not tell where it would turn to"
         return Finding(*about, "unknown", None, text, steady=False)
-    trouble = reach(url, patience)
+    trouble = reach(url, seconds)
     if trouble:
         text = f"{url} {trouble}; check the network and the proxy"
         return Finding(*about, "warning", False, text, steady=False)
@@ -75,44 +117,47 @@ def _finding(service: str, patience: float) -> Finding:
 
 
 def _address(service: str) -> str:
-    command = [sys.executable, "-P", "-W", "ignore", "-m", "qrobot.health.system.endpoints"]
     with suppress(OSError, subprocess.SubprocessError):
         done = subprocess.run(
-            [*command, service],
+            python_command("qrobot.health.system.network", service),
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
             timeout=TELL,
             check=True,
-            env=os.environ | {"PYTHONPATH": os.pathsep.join([*filter(None, sys.path), str(ROOT)])},
+            env=child_environment() | {"PYTHONWARNINGS": "ignore"},
         )
         return (done.stdout.strip().splitlines() or [""])[-1]
     return ""
 
 
-def reach(url: str, patience: float = ANSWER) -> str:
+def reach(url: str, seconds: float = ANSWER) -> str:
     """Say why an address gave no answer, or ``""`` when it gave one, be it a refusal.
 
     Parameters
     ----------
     url
         Asked with HEAD, through the proxy of the environment, its certificate verified.
-    patience
+    seconds
         Seconds for the connection and for each part of the answer.
     """
     try:
         request = urllib.request.Request(url, method="HEAD")  # noqa: S310 (http for our tests)
-        with urllib.request.urlopen(request, timeout=patience):  # noqa: S310
+        with urllib.request.urlopen(request, timeout=seconds):  # noqa: S310
             return ""
     except urllib.error.HTTPError as refusal:
         refusal.close()
         return "" if refusal.code != 407 else "is behind a proxy that refuses us"
     except TimeoutError:
-        return f"gave no answer in {patience:g} s"
+        return f"gave no answer in {seconds:g} s"
     except urllib.error.URLError as error:
         if isinstance(error.reason, TimeoutError):
-            return f"gave no answer in {patience:g} s"
+            return f"gave no answer in {seconds:g} s"
         why = getattr(error.reason, "strerror", None) or type(error.reason).__name__
         return f"cannot be reached ({why})"
     except (OSError, ValueError, http.client.HTTPException) as error:
         return f"gave no sound answer ({type(error).__name__})"
+
+
+if __name__ == "__main__":
+    sys.stdout.write(f"\n{address(sys.argv[1])}\n")
