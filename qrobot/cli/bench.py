@@ -15,16 +15,22 @@ __all__ = ["command"]
 
 @click.command("bench")
 @click.argument("folder", type=FILE)
-@click.option("--backends", default="auto", show_default=True, help="Names, with commas.")
-@click.option("--deadline", "-t", type=float, help="Seconds of each run.  [default: 10]")
-@click.option("--max-work", type=int, help="Limit of work units of each run.")
-@click.option("--seeds", type=int, default=1, show_default=True, help="Runs of each pair.")
-@click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
-@click.option("--robots-for", multiple=True, help="Exceptions, such as 'X-*=free'. Repeatable.")
+@click.option(
+    "--backends", default="auto", show_default=True, help="Names of backends, separated by commas."
+)
+@click.option("--deadline", "-t", type=float, help="Seconds for each run.  [default: 10]")
+@click.option("--max-work", type=int, help="Limit of work units for each run.")
+@click.option(
+    "--seeds", type=int, default=1, show_default=True, help="Runs of each backend on each instance."
+)
+@click.option("--robots", type=Robots(), help="Number of robots instead of the file's, or 'free'.")
+@click.option(
+    "--robots-for", multiple=True, help="--robots for some instances: 'X-*=free'. Repeatable."
+)
 @rounding
-@click.option("--match", default="*", help="Only files like this, such as 'A-*'.")
-@click.option("--limit", type=int, help="At most so many instances.")
-@written("--json", "json_path", help="Write the report; kept row by row.")
+@click.option("--match", default="*", help="Only files whose names match, such as 'A-*'.")
+@click.option("--limit", type=int, help="Largest number of instances.")
+@written("--json", "json_path", help="Write the report as JSON, row by row.")
 @written("--csv", "csv_path", help="Write the rows as CSV.")
 @written("--markdown", "markdown_path", help="Write tables as Markdown.")
 @written("--plot", "plot_path", help="Draw gap against time: .svg or .png.")

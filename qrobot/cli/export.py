@@ -32,20 +32,22 @@ __all__ = ["command"]
     help="safe: the lowest energy is the best plan; measured: what annealers sample best, "
     "without that proof. Not for an LP.",
 )
-@written("--circuit", help="Also write the circuit that never leaves the plans, as OpenQASM 3.")
+@written("--circuit", help="Write a circuit whose reads are all plans, as OpenQASM 3.")
 @click.option(
     "--mixer",
     default="swap",
     show_default=True,
-    help="Of the circuit: swap, swap-all or grover.",
+    help="Mixer of the circuit: swap, swap-all or grover.",
 )
-@click.option("--layers", type=int, default=1, show_default=True, help="Of the circuit.")
+@click.option("--layers", type=int, default=1, show_default=True, help="Layers of the circuit.")
 @click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
 @ignore_columns
 @rounding
-@click.option("--robots", type=Robots(), help="Another number of robots, or 'free'.")
-@click.option("--capacity", help="Another capacity of every robot.")
-@click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
+@click.option("--robots", type=Robots(), help="Number of robots instead of the file's, or 'free'.")
+@click.option("--capacity", help="Capacity of every robot instead of the file's.")
+@click.option(
+    "--split-orders", is_flag=True, help="Make each item an order of its own, as in the paper."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def command(
     instance: str,

@@ -27,9 +27,9 @@ def command() -> None:
     type=click.Choice(["trixie", "bookworm"]),
     default="trixie",
     show_default=True,
-    help="Of Raspberry Pi OS.",
+    help="Release of Raspberry Pi OS on the card.",
 )
-@click.option("--hostname", required=True, metavar="NAME", help="What the robot is called.")
+@click.option("--hostname", required=True, metavar="NAME", help="Name of the robot in the network.")
 @click.option("--user", required=True, metavar="NAME", help="The account that logs in.")
 @click.option(
     "--key",
@@ -40,21 +40,25 @@ def command() -> None:
     f" {', '.join(USUAL_KEYS)} in ~/.ssh]",
 )
 @click.option("--password", "ask_password", is_flag=True, help="Ask for a password too.")
-@click.option("--password-file", type=FILE, help="Read it from a file, or -.")
+@click.option("--password-file", type=FILE, help="Read it from a file (-: standard input).")
 @click.option("--wifi-ssid", metavar="NAME", help="The Wi-Fi to join; its passphrase is asked for.")
-@click.option("--wifi-country", metavar="DE", help="Where the robot works.")
-@click.option("--wifi-hidden", is_flag=True, help="The Wi-Fi does not tell its name.")
-@click.option("--wifi-passphrase-file", type=FILE, help="Read it from a file, or -.")
+@click.option("--wifi-country", metavar="DE", help="Country that the robot works in.")
+@click.option("--wifi-hidden", is_flag=True, help="The Wi-Fi does not send its name.")
+@click.option("--wifi-passphrase-file", type=FILE, help="Read it from a file (-: standard input).")
 @click.option(
     "--wifi-plain",
     is_flag=True,
     help="Write the passphrase itself: for access points with WPA2 and WPA3.",
 )
-@click.option("--wifi-wpa3", is_flag=True, help="The same, for those with WPA3 only.")
-@click.option("--timezone", metavar="ZONE", help="Such as Europe/Berlin.")
-@click.option("--locale", metavar="NAME", help="Such as de_DE.UTF-8.")
-@click.option("--keyboard", metavar="LAYOUT", help="Such as de.")
-@click.option("--static-address", metavar="IP/PREFIX", help="Such as 192.168.1.20/24.")
+@click.option(
+    "--wifi-wpa3", is_flag=True, help="As --wifi-plain, for access points with WPA3 only."
+)
+@click.option("--timezone", metavar="ZONE", help="Time zone, such as Europe/Berlin.")
+@click.option("--locale", metavar="NAME", help="Language and formats, such as de_DE.UTF-8.")
+@click.option("--keyboard", metavar="LAYOUT", help="Keyboard layout, such as de.")
+@click.option(
+    "--static-address", metavar="IP/PREFIX", help="Fixed address, such as 192.168.1.20/24."
+)
 @click.option("--gateway", metavar="IP", help="The router, with --static-address.")
 @click.option("--dns", metavar="IP", multiple=True, help="A name server; may be repeated.")
 @click.option("--force", is_flag=True, help="Replace files that hold other settings.")
@@ -67,7 +71,7 @@ def seed_(
     keyboard: str | None, static_address: str | None,
     gateway: str | None, dns: tuple[str, ...], force: bool, as_json: bool,
 ) -> None:  # fmt: skip
-    """Tell a fresh card who the robot is, who may log in and which Wi-Fi it joins.
+    """Write name, accounts and network of a robot to a fresh card.
 
     DEST is the boot partition of a card that Raspberry Pi OS was written to, where it is
     mounted; or any folder. The account has no password unless one is asked for, and only keys

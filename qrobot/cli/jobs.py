@@ -58,7 +58,7 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
 @click.argument("job")
 @written("--output", "-o", help="Write the samples as JSON (of dimod).")
 @written("--plan", help="Write the plan as JSON; checked like every plan.")
-@click.option("--json", "as_json", is_flag=True, help="Print what is known as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print the job as JSON.")
 def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> None:
     """Fetch the samples of a JOB that is done, by its id or the beginning of it."""
     from qrobot._files import write_text_atomic
@@ -105,7 +105,9 @@ def cancel_(job: str) -> None:
 
 
 @command.command("forget")
-@click.option("--days", type=float, default=30.0, show_default=True, help="Older than this.")
+@click.option(
+    "--days", type=float, default=30.0, show_default=True, help="Only jobs older than this."
+)
 def forget_(days: float) -> None:
     """Forget jobs that are over, and their answers; jobs that may still run are kept."""
     from qrobot.errors import InputError

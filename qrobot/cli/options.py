@@ -30,7 +30,7 @@ FILE = click.Path(readable=False)
 """A path; who may not read it is told by whoever reads, with the mend."""
 
 
-rounding = click.option("--rounding", help="Of a .vrp file's distances: none, nearest, up or down.")
+rounding = click.option("--rounding", help="Rounding of .vrp distances: none, nearest, up or down.")
 
 
 def _names(_ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]) -> tuple[str, ...]:
@@ -41,7 +41,7 @@ ignore_columns = click.option(
     "--ignore-columns",
     multiple=True,
     callback=_names,
-    help="Columns of CSV orders that are not ours, with commas.",
+    help="Columns of CSV orders to ignore, separated by commas.",
 )
 
 

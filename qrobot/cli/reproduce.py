@@ -17,15 +17,19 @@ TARGETS = ["table1", "table2", "table3", "figure4", "figure7", "all"]
 
 @click.command("reproduce")
 @click.argument("targets", nargs=-1, required=True, type=click.Choice(TARGETS))
-@written("--output", "-o", help="A folder.  [default: build/reproduce]")
+@written("--output", "-o", help="Folder for all files.  [default: build/reproduce]")
 @click.option("--rows", help="Numbers of items, such as 2-5 or 2,4,10-12.")
-@click.option("--largest", type=int, help="At most so many items.")
+@click.option("--largest", type=int, help="Largest number of items.")
 @click.option("--quick", is_flag=True, help="At most 4 items, no SDK: under a minute.")
 @click.option("--large", is_flag=True, help="Simulate 26 qubits too (needs 1.5 GiB).")
-@click.option("--reads", type=int, default=1000, show_default=True, help="Shots, everywhere.")
-@click.option("--seed", type=int, default=7, show_default=True, help="Of our places and of chance.")
+@click.option(
+    "--reads", type=int, default=1000, show_default=True, help="Reads (shots) of every method."
+)
+@click.option(
+    "--seed", type=int, default=7, show_default=True, help="Seed of places and of random numbers."
+)
 @click.option("--resume", is_flag=True, help="Keep what an earlier run in the folder finished.")
-@click.option("--docs", type=FILE, help="Also put the tables into a page's markers.")
+@click.option("--docs", type=FILE, help="Also write the tables between the marks of a page.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def command(
     targets: tuple[str, ...],
@@ -42,9 +46,9 @@ def command(
 ) -> None:
     """Reproduce tables 1 to 3 and figures 4 and 7 of the qRobot paper (2021).
 
-    The same n, K, M and qubits; the paper's seconds beside ours; every method as it reads by
-    itself, beside random guesses at equal shots. The paper gives no coordinates: places are
-    ours, drawn with the seed. Writes CSV, Markdown, plots and reproduce.json, row by row.
+    The same n, K, M and numbers of qubits; the paper's seconds beside ours; the raw reads of
+    every method, beside as many random guesses. The paper gives no coordinates: places are
+    drawn with the seed. Writes CSV, Markdown, plots and reproduce.json, row by row.
 
     \b
     Examples:

@@ -18,13 +18,28 @@ __all__ = ["command"]
 
 @click.command("solve")
 @click.argument("instance", type=FILE)
-@click.option("--backend", "-b", default="auto", show_default=True, help="See `qrobot backends`.")
-@click.option("--deadline", "-t", type=float, help="Wall-clock seconds.  [default: 10]")
+@click.option(
+    "--backend",
+    "-b",
+    default="auto",
+    show_default=True,
+    help="Who plans; `qrobot backends` lists them.",
+)
+@click.option(
+    "--deadline",
+    "-t",
+    type=float,
+    help="Seconds until the best plan so far is taken.  [default: 10]",
+)
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of every random choice.")
-@click.option("--robots", type=Robots(), help="The first N, more like them, or 'free': no limit.")
-@click.option("--capacity", help="Another capacity of every robot.")
-@click.option("--split-orders", is_flag=True, help="Let each item stand alone, as in the paper.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of every random choice.")
+@click.option(
+    "--robots", type=Robots(), help="The first N robots (or more like them), or 'free': no limit."
+)
+@click.option("--capacity", help="Capacity of every robot instead of the file's.")
+@click.option(
+    "--split-orders", is_flag=True, help="Make each item an order of its own, as in the paper."
+)
 @click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
 @ignore_columns
 @rounding
@@ -39,13 +54,13 @@ __all__ = ["command"]
     type=Setting(),
     help="Sampler: any of its options, such as device=aer or layers=2. Repeatable.",
 )
-@click.option("--control", is_flag=True, help="Sampler: judge as many random reads and starts too.")
-@click.option("--fallback", help="Local backend that answers when the other one fails.")
 @click.option(
-    "--max-cost", type=float, help="US dollars; a remote job that may cost more is refused."
+    "--control", is_flag=True, help="Sampler: also report as many random reads and starts."
 )
-@click.option("--dry-run", is_flag=True, help="Say what it would cost; submit nothing.")
-@click.option("--no-wait", is_flag=True, help="Submit a remote job, print its id, and leave.")
+@click.option("--fallback", help="Local backend that plans when the first one fails.")
+@click.option("--max-cost", type=float, help="US dollars: refuse a remote job that may cost more.")
+@click.option("--dry-run", is_flag=True, help="Estimate the cost of a remote job; submit nothing.")
+@click.option("--no-wait", is_flag=True, help="Submit a remote job, print its id and exit.")
 @click.option(
     "--output", "-o", multiple=True, type=FILE, help="Write the plan as JSON. Repeatable."
 )

@@ -25,14 +25,14 @@ __all__ = ["compare_", "merge", "show_comparison", "show_fleet", "show_report"]
 @click.command("compare")
 @click.argument("before", type=FILE)
 @click.argument("after", type=FILE)
-@click.option("--strict", is_flag=True, help="Any drift is code 1.")
+@click.option("--strict", is_flag=True, help="Exit with 1 for any difference.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def compare_(before: str, after: str, strict: bool, as_json: bool) -> None:
     """Show what drifted from one report to another.
 
     Exit code 0: nothing got worse, 1: a check did or a fact of the machine became a fault, 2: a
-    file is not a report. Times, memory and what is another at every moment, such as a temperature,
-    do not count as drift.
+    file is not a report. Times, memory and what changes all the time, such as a temperature, do
+    not count as drift.
 
     \b
     Examples:

@@ -70,29 +70,35 @@ class Run(click.Command):
 
 @click.command("run", cls=Run)
 @click.argument("names", nargs=-1)
-@click.option("--quick", is_flag=True, help="The cheap checks only.")
-@click.option("--profile", help="What must be there: base, solver, edge or full.")
+@click.option("--quick", is_flag=True, help="Run only the cheap checks.")
+@click.option("--profile", help="Require a profile: base, solver, edge or full.")
 @click.option("--list", "as_list", is_flag=True, help="List the checks and run none.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 @click.option("--schema", is_flag=True, help="Print the JSON Schema of the report and run none.")
 @written("--output", "-o", help="Write the report as JSON.")
-@written("--junit", "junit_path", help="Write it as JUnit XML.")
-@written("--html", "html_path", help="Write it as a page.")
-@written("--prometheus", help="Write it as metrics, a file NAME.prom.")
+@written("--junit", "junit_path", help="Write the report as JUnit XML.")
+@written("--html", "html_path", help="Write the report as an HTML page.")
+@written("--prometheus", help="Write the report as metrics, to NAME.prom.")
 @click.option(
     "--compare",
     "baseline",
     type=FILE,
-    help="Show what drifted since a report.",
+    help="Show what changed since a report.",
 )
-@click.option("--strict-compare", is_flag=True, help="Then any drift is code 1.")
+@click.option(
+    "--strict-compare", is_flag=True, help="With --compare: exit with 1 for any difference."
+)
 @click.option(
     "--notebooks",
     type=FILE,
     help="Run the notebooks, one by one, and keep them in a folder.",
 )
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Checks at once."
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="Number of checks at the same time.",
 )
 @click.option(
     "--timeout",
@@ -100,7 +106,7 @@ class Run(click.Command):
     default=300.0,
     show_default=True,
     metavar="SECONDS",
-    help="What one check may take.",
+    help="Time limit of one check.",
 )
 @click.option(
     "--memory",
@@ -108,9 +114,9 @@ class Run(click.Command):
     default=2048.0,
     show_default=True,
     metavar="MB",
-    help="What one check may take, in MiB.",
+    help="Memory limit of one check, in MiB.",
 )
-@click.option("--no-system", is_flag=True, help="Leave the machine out.")
+@click.option("--no-system", is_flag=True, help="Do not look at the machine.")
 @click.option("--network", is_flag=True, help="Also try to reach the quantum services.")
 def run(
     names: tuple[str, ...], quick: bool, profile: str | None, as_list: bool, as_json: bool,
@@ -122,12 +128,12 @@ def run(
 
     Each check imports one stack and lets it compute something whose answer is known from
     elsewhere, in a process of its own: a crash or a hang is reported and the others go on.
-    Without NAMES all are run; a stack that is not installed is then no fault. With NAMES or
-    --profile it is. The machine is looked at too: a fault there counts, a warning does not.
+    Without NAMES all are run; a stack that is not installed is then not a fault. With NAMES or
+    --profile it is. The machine is examined too: a fault there counts, a warning does not.
 
     Exit code 0: healthy, 1: a check failed, the machine has a fault, or something got worse
     since --compare, 2: bad input, or a report or notebook could not be written. Times, memory
-    and what is another at every moment, such as a temperature, do not count as drift.
+    and what changes all the time, such as a temperature, do not count as drift.
 
     \b
     Examples:
