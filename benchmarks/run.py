@@ -27,7 +27,7 @@ PAGE = ROOT / "docs" / "benchmarks.md"
 
 
 from benchmarks.pages import page
-from qrobot.report.machine import machine
+from qrobot.study.runner import machine
 
 
 def keep(name: str, report: dict[str, Any]) -> None:

@@ -19,7 +19,7 @@ def command(as_json: bool) -> None:
       qrobot backends
       qrobot backends --json
     """
-    from qrobot.report.backends import backend_rows, backend_table
+    from qrobot.report.tables import backend_rows, backend_table
 
     rows = backend_rows()
     if as_json:

@@ -6,7 +6,6 @@ import sys
 
 import click
 
-from qrobot._numbers import number
 from qrobot.cli.options import FILE, Robots, rounding, written
 from qrobot.cli.streams import say
 
@@ -60,26 +59,14 @@ def command(
       qrobot bench instances/ --backends auto,pyvrp --deadline 10 --seeds 3 --json out.json
       qrobot bench cvrplib/ --robots-for 'X-*=free' --markdown out.md --plot out.svg
     """
-    from qrobot.backends import get
+    from qrobot._files import check_outputs, write_text_atomic
     from qrobot.cli.signals import terminate_as_interrupt
-    from qrobot.errors import InputError
     from qrobot.planning import DEFAULT_DEADLINE
-    from qrobot.report.outputs import check_outputs
     from qrobot.report.picture import check_picture_path
     from qrobot.study.bench import BenchRow, find_instances, run_bench, tasks
-    from qrobot.study.bench_report import bench_csv, bench_markdown, bench_plot
+    from qrobot.study.bench_report import bench_csv, bench_markdown, bench_plot, row_text
 
-    if seeds < 1:
-        raise InputError(f"{seeds} seeds are too few", field="--seeds", mend="give 1 or more")
-    named = [name.strip() for name in backends.split(",") if name.strip()]
-    for name in named:
-        if name != "auto":
-            get(name)
-    if not named:
-        raise InputError("no backend is named", field="--backends", mend="name one, such as auto")
-    for value, name in ((deadline, "--deadline"), (limit, "--limit"), (max_work, "--max-work")):
-        if value is not None and not 0 < value < float("inf"):
-            raise InputError(f"{value} is not above zero", field=name, mend="give a number above 0")
+    named = _checked(backends, seeds, deadline=deadline, limit=limit, max_work=max_work)
     if deadline is None and max_work is None:
         deadline = DEFAULT_DEADLINE
     check_outputs([path for path in (json_path, csv_path, markdown_path, plot_path) if path])
@@ -99,15 +86,7 @@ def command(
     say(f"{len(todo)} runs{most}", err=True)
 
     def tell(done: int, row: BenchRow) -> None:
-        gap = "" if row.gap is None else f", gap {row.gap:.2%}"
-        found = row.error if row.cost is None else f"{number(row.cost)}{gap}"
-        proven = ", proven" if row.proven else ""
-        seconds = row.seconds or row.wall_seconds or 0.0
-        say(
-            f"{done}/{len(todo)} {row.instance} {row.backend} seed {row.seed}: "
-            f"{found}{proven}, {seconds:.2f} s",
-            err=True,
-        )
+        say(f"{done}/{len(todo)} {row_text(row)}", err=True)
 
     with terminate_as_interrupt() as interrupted:
         report = run_bench(todo, save=json_path, on_row=tell, interrupted=interrupted)
@@ -115,8 +94,6 @@ def command(
         bench_csv(report, csv_path)
     text = bench_markdown(report, folder)
     if markdown_path:
-        from qrobot._files import write_text_atomic
-
         write_text_atomic(markdown_path, text)
     if plot_path:
         bench_plot(report, plot_path)
@@ -125,3 +102,25 @@ def command(
         say(f"interrupted: {len(report['rows'])} of {len(todo)} runs are kept", err=True)
         sys.exit(130)
     sys.exit(0 if all(row["error"] is None or row["proven"] for row in report["rows"]) else 1)
+
+
+def _checked(backends: str, seeds: int, **limits: float | None) -> list[str]:
+    """Return the names of the backends, when they and all limits can be used."""
+    from qrobot.backends import get
+    from qrobot.errors import InputError
+
+    if seeds < 1:
+        raise InputError(f"{seeds} seeds are too few", field="--seeds", mend="give 1 or more")
+    named = [name.strip() for name in backends.split(",") if name.strip()]
+    for name in named:
+        if name != "auto":
+            get(name)
+    if not named:
+        raise InputError("no backend is named", field="--backends", mend="name one, such as auto")
+    for name, value in limits.items():
+        if value is not None and not 0 < value < float("inf"):
+            field = f"--{name.replace('_', '-')}"
+            raise InputError(
+                f"{value} is not above zero", field=field, mend="give a number above 0"
+            )
+    return named

@@ -45,9 +45,8 @@ def command(
       qrobot check plan.json examples/small-warehouse.json --json
       qrobot check plan.json orders.csv --layout layout.json --split-orders
     """
-    from qrobot.plan import check
+    from qrobot.plan import check, read_plan
     from qrobot.problem.formats import read
-    from qrobot.report.outputs import read_plan
 
     answer = read_plan(plan)
     question = read(

@@ -90,8 +90,8 @@ def command(
 
         load("docplex", "an LP file")
 
+    from qrobot._files import check_outputs
     from qrobot.problem.formats import read
-    from qrobot.report.outputs import check_outputs
 
     if output is not None:
         from qrobot.models.export import format_of

@@ -61,12 +61,11 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
 @click.option("--json", "as_json", is_flag=True, help="Print the job as JSON.")
 def fetch_(job: str, output: str | None, plan: str | None, as_json: bool) -> None:
     """Fetch the samples of a JOB that is done, by its id or the beginning of it."""
-    from qrobot._files import write_text_atomic
+    from qrobot._files import check_outputs, write_text_atomic
     from qrobot.backends import get
     from qrobot.backends.jobs import fetch
     from qrobot.jobs import JobStore
     from qrobot.jobs.samples import samples_report, samples_text
-    from qrobot.report.outputs import check_outputs
 
     check_outputs([path for path in (output, plan) if path])
     with JobStore() as store:

@@ -123,12 +123,12 @@ def command(
 
     if fallback is None:
         require(backend)  # before numpy and dimod: what is absent is told at once
+    from qrobot._files import check_outputs
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
     from qrobot.errors import InfeasibleError
     from qrobot.planning import solve
     from qrobot.problem.formats import read
-    from qrobot.report.outputs import check_outputs
 
     check_outputs([*output, *picture], [instance, *([layout] if layout else [])])
     if picture:

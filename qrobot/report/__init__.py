@@ -1,6 +1,6 @@
-"""What people and programs see: pictures, tables, benchmarks."""
+"""What people see of plans: pictures and tables."""
 
 from qrobot.report.picture import check_picture_path, plot
-from qrobot.report.table import table
+from qrobot.report.tables import table
 
 __all__ = ["check_picture_path", "plot", "table"]

@@ -12,11 +12,11 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from qrobot._text import shortened
+from qrobot.report.labels import Labels, text_width
 from qrobot.report.lanes import XY
 from qrobot.report.legend import GREY, Legend, Patch, caption, caption_width
 from qrobot.report.maps import Map
 from qrobot.report.scene import Journey, Scene
-from qrobot.report.texts import Labels, text_width
 
 __all__ = ["Canvas"]
 

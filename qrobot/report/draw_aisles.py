@@ -13,11 +13,11 @@ from matplotlib.patches import Rectangle
 
 from qrobot.problem import AisleWarehouse, Slot
 from qrobot.report.canvas import Canvas
-from qrobot.report.lanes import XY, Lanes, Line
-from qrobot.report.maps import POINTS, Look, Map
+from qrobot.report.labels import POINTS, text_width
+from qrobot.report.lanes import XY, Lanes, Track
+from qrobot.report.maps import Look, Map
 from qrobot.report.palette import Colour
 from qrobot.report.scene import Journey, Scene
-from qrobot.report.texts import text_width
 
 __all__ = ["draw_aisles"]
 
@@ -101,7 +101,7 @@ def _draw_alone(drawn: Map, journey: Journey, house: AisleWarehouse, sizes: _Siz
 
 def _ways(
     drawn: Map, journeys: Sequence[Journey], sizes: _Sizes, *, most: float, every: float
-) -> tuple[list[Line], Look]:
+) -> tuple[list[Track], Look]:
     """Draw the ways, `most` points wide where their corridors have room for that."""
     widths = (1.9 * sizes.cross, 1.9 * sizes.aisle)
     lanes = Lanes([journey.legs for journey in journeys], margin=drawn.metres(6))
@@ -208,7 +208,7 @@ def _closed(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
 
 
 def _picks(
-    drawn: Map, scene: Scene, house: AisleWarehouse, sizes: _Sizes, lines: list[Line]
+    drawn: Map, scene: Scene, house: AisleWarehouse, sizes: _Sizes, lines: list[Track]
 ) -> None:
     """Colour the slots that are picked from and number them by stop."""
     at: defaultdict[Slot, list[tuple[int, int]]] = defaultdict(list)  # (journey, stop)

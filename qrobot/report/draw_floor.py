@@ -11,12 +11,11 @@ from qrobot._numbers import number
 from qrobot._text import shown
 from qrobot.problem import DistanceTable, OpenFloor, Warehouse
 from qrobot.report.canvas import Canvas
-from qrobot.report.labels import placed, spread
-from qrobot.report.lanes import XY, Lanes, Line
+from qrobot.report.labels import POINTS, placed, spread, text_width
+from qrobot.report.lanes import XY, Lanes, Track
 from qrobot.report.legend import GREY
-from qrobot.report.maps import POINTS, Look, Map
+from qrobot.report.maps import Look, Map
 from qrobot.report.scene import Journey, Scene
-from qrobot.report.texts import text_width
 
 __all__ = ["draw_floor"]
 
@@ -93,7 +92,7 @@ def _draw_alone(drawn: Map, scene: Scene, journey: Journey, spots: Sequence[XY])
 
 def _ways(
     drawn: Map, scene: Scene, journeys: Sequence[Journey], size: float, *, arrow: float, most: float
-) -> list[Line]:
+) -> list[Track]:
     width = max(0.9, min(most, size / 6))
     look = Look(line=width, halo=0.5 * width, arrow=max(arrow, 3.4 * width), every=1e9)
     lines = _lines(drawn, scene.instance.warehouse, journeys, look, size)
@@ -132,7 +131,7 @@ def _marker(drawn: Map, count: int) -> float:
 
 def _lines(
     drawn: Map, house: Warehouse, journeys: Sequence[Journey], look: Look, size: float
-) -> list[Line]:
+) -> list[Track]:
     legs = [journey.legs for journey in journeys]
     if isinstance(house, OpenFloor) and house.metric == "manhattan":
         room = drawn.metres(30)
@@ -147,7 +146,7 @@ def _lines(
         ]
         heads = [_head(c) for c in curves if math.dist(c[0], c[-1]) > least]
         corners = [trip[0][0], *(point for curve in curves for point in curve[1:])]
-        found.append(Line(corners, [leg[-1] for leg in trip[:-1]], heads))
+        found.append(Track(corners, [leg[-1] for leg in trip[:-1]], heads))
     return found
 
 

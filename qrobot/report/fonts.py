@@ -10,7 +10,7 @@ from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
-__all__ = ["OWN", "choose", "families", "told"]
+__all__ = ["OWN", "choose", "families", "font_notes"]
 
 OWN = "DejaVu Sans"
 """Comes with Matplotlib."""
@@ -71,7 +71,7 @@ def families(texts: Iterable[str]) -> tuple[list[str], str]:
     return choose(needed, _installed, _covers)
 
 
-def told(missing: str, texts: Iterable[str]) -> list[str]:
+def font_notes(missing: str, texts: Iterable[str]) -> list[str]:
     """Return what a person should know of the names on a picture, a sentence each."""
     notes = []
     if missing:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-__all__ = ["XY", "Lanes", "Line", "rounded"]
+__all__ = ["XY", "Lanes", "Track", "rounded"]
 
 XY = tuple[float, float]
 
@@ -21,7 +21,7 @@ CLOSE = 1e-9
 
 
 @dataclass(slots=True)
-class Line:
+class Track:
     """A way, ready to draw.
 
     Parameters
@@ -103,7 +103,7 @@ class Lanes:
         """
         return min((widths[g[0].axis] / g[0].lanes for g in self._groups), default=math.inf)
 
-    def lines(self, *, step: float, widths: tuple[float, float]) -> list[Line]:
+    def lines(self, *, step: float, widths: tuple[float, float]) -> list[Track]:
         """Return the ways in their lanes.
 
         Parameters
@@ -115,7 +115,7 @@ class Lanes:
 
         Returns
         -------
-        list of Line
+        list of Track
             One for each trip; its stops are the ends of all legs but the last.
         """
         for group in self._groups:
@@ -123,7 +123,7 @@ class Lanes:
                 gap = min(step, widths[run.axis] / run.lanes)
                 run.off = (run.lane - (run.lanes - 1) / 2) * gap
         return [
-            _joined(runs) if runs else Line([legs[0][0]], [leg[-1] for leg in legs[:-1]])
+            _joined(runs) if runs else Track([legs[0][0]], [leg[-1] for leg in legs[:-1]])
             for runs, legs in zip(self._chains, self._ways, strict=True)
         ]
 
@@ -208,7 +208,7 @@ def _free(taken: list[_Run], run: _Run, margin: float) -> bool:
     return all(run.low > r.high + margin or r.low > run.high + margin for r in taken)
 
 
-def _joined(runs: list[_Run]) -> Line:
+def _joined(runs: list[_Run]) -> Track:
     corners = [runs[0].at(runs[0].start)]
     halts: dict[int, XY] = {}
     for run, after in zip(runs, [*runs[1:], None], strict=True):
@@ -227,7 +227,7 @@ def _joined(runs: list[_Run]) -> Line:
             corners += [run.at(run.end), after.at(after.start)]
         else:
             corners.append(_corner(run, after))
-    return Line(corners, [halts[stop] for stop in sorted(halts)])
+    return Track(corners, [halts[stop] for stop in sorted(halts)])
 
 
 def _corner(run: _Run, after: _Run) -> XY:

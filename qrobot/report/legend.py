@@ -10,9 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from qrobot._numbers import number
+from qrobot.report.labels import text_width
 from qrobot.report.palette import DEPOT, INK
 from qrobot.report.scene import Journey, Scene
-from qrobot.report.texts import text_width
 
 __all__ = ["DASHES", "GREY", "Legend", "Patch", "caption", "caption_width", "depot_marker"]
 

@@ -17,14 +17,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from qrobot.report.lanes import XY, Line, rounded
+from qrobot.report.labels import POINTS, Labels
+from qrobot.report.lanes import XY, Track, rounded
 from qrobot.report.legend import DASHES, depot_marker
 from qrobot.report.scene import Journey
-from qrobot.report.texts import Labels
 
-__all__ = ["POINTS", "Look", "Map"]
-
-POINTS = 72.0
+__all__ = ["Look", "Map"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +76,7 @@ class Map:
         """Return how many points on the sheet a length of the floor is."""
         return metres * self.scale * POINTS
 
-    def way(self, journey: Journey, line: Line, look: Look, *, bend: float) -> None:
+    def way(self, journey: Journey, line: Track, look: Look, *, bend: float) -> None:
         """Draw a trip's way with its arrows; gid ``trip-<number>-way``."""
         steps = rounded(line.corners, bend)
         codes = {"move": Path.MOVETO, "line": Path.LINETO, "control": Path.CURVE3}
@@ -114,7 +112,7 @@ class Map:
                 )
             )
 
-    def _spots(self, line: Line, look: Look) -> list[tuple[XY, XY]]:
+    def _spots(self, line: Track, look: Look) -> list[tuple[XY, XY]]:
         """Return where arrows stand and their directions: not at corners, nor at stops."""
         if line.heads is not None:
             return line.heads
@@ -210,7 +208,7 @@ class Map:
             )
         )  # fmt: skip
 
-    def tag(self, journey: Journey, line: Line) -> None:
+    def tag(self, journey: Journey, line: Track) -> None:
         """Write the number of a trip on its way, where there is room for it."""
         legs = sorted(pairwise(line.corners), key=lambda leg: -math.dist(*leg))
         spots = [

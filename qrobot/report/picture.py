@@ -17,7 +17,7 @@ from qrobot._files import StrPath, path_text, write_bytes_atomic
 from qrobot.errors import InputError
 from qrobot.plan import Plan
 from qrobot.problem import AisleWarehouse, Instance
-from qrobot.report.fonts import families, told
+from qrobot.report.fonts import families, font_notes
 from qrobot.report.palette import INK
 from qrobot.report.scene import scene_of
 
@@ -77,7 +77,7 @@ def draw(
         aisles = isinstance(scene.instance.warehouse, AisleWarehouse)
         save(draw_aisles(scene) if aisles else draw_floor(scene), path)
         # In an SVG text stays text, and who looks at it has fonts of their own.
-        return tuple(told(missing, texts)) if kind == "png" else ()
+        return tuple(font_notes(missing, texts)) if kind == "png" else ()
 
 
 def check_picture_path(path: str | os.PathLike[str]) -> str:

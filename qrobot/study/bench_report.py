@@ -8,6 +8,8 @@ import statistics
 from collections.abc import Sequence
 from typing import Any
 
+from qrobot._numbers import number
+from qrobot.study.bench import BenchRow
 from qrobot.study.render import (
     figure_text,
     machine_text,
@@ -17,7 +19,7 @@ from qrobot.study.render import (
     write_csv,
 )
 
-__all__ = ["bench_csv", "bench_markdown", "bench_plot", "summaries"]
+__all__ = ["bench_csv", "bench_markdown", "bench_plot", "row_text", "summaries"]
 
 COLUMNS = (
     "instance", "backend", "seed", "cost", "bound", "reference", "gap", "proven", "feasible",
@@ -113,6 +115,15 @@ def bench_markdown(report: dict[str, Any], title: str, *, rows: bool = True) -> 
         ]
         lines += ["", *markdown_table(heads, cells, left={0, 1, 7})]
     return "\n".join(lines) + "\n"
+
+
+def row_text(row: BenchRow) -> str:
+    """Return a run as a line of progress."""
+    gap = "" if row.gap is None else f", gap {row.gap:.2%}"
+    found = row.error if row.cost is None else f"{number(row.cost)}{gap}"
+    proven = ", proven" if row.proven else ""
+    seconds = row.seconds or row.wall_seconds or 0.0
+    return f"{row.instance} {row.backend} seed {row.seed}: {found}{proven}, {seconds:.2f} s"
 
 
 def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:

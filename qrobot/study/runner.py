@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import os
+import platform
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from qrobot.report.machine import machine
+import psutil
 
-__all__ = ["Part", "measured_here", "run_parts"]
+from qrobot._extras import distribution_version
+from qrobot._machine import read_cpuinfo
+from qrobot._version import __version__
+
+__all__ = ["Part", "machine", "measured_here", "run_parts"]
 
 T = TypeVar("T")
+
+PACKAGES = (
+    "numpy", "dimod", "dwave-samplers", "pyvrp", "ortools", "numba", "qiskit", "qiskit-aer",
+    "pennylane", "pennylane-lightning", "amazon-braket-sdk", "dwave-system",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -34,6 +45,22 @@ class Part(Generic[T]):
     results: Iterable[T]
     plain: Callable[[T], dict[str, Any]]
     told: Callable[[T], None] | None = None
+
+
+def machine() -> dict[str, Any]:
+    """Return what something is measured on: processor, memory, system and versions."""
+    entries = read_cpuinfo()
+    named = entries.get("model name") or entries.get("Model")
+    return {
+        "processor": named or platform.processor() or "unknown",
+        "architecture": platform.machine(),
+        "cores": os.cpu_count(),
+        "memory_gb": round(psutil.virtual_memory().total / 1e9, 1),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "qrobot": __version__,
+        "packages": {name: version for name in PACKAGES if (version := distribution_version(name))},
+    }
 
 
 def measured_here() -> dict[str, Any]:

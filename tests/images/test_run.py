@@ -13,9 +13,8 @@ import pytest
 from images.engine import BUILT, docker
 from processes import until
 
-from qrobot.plan import check
+from qrobot.plan import check, read_plan
 from qrobot.problem.formats import read
-from qrobot.report.outputs import read_plan
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples/small-warehouse.json"

@@ -15,9 +15,8 @@ from native_documents import json_values, paths
 
 import qrobot
 from qrobot.errors import InputError
-from qrobot.plan import Plan
+from qrobot.plan import Plan, read_plan
 from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
-from qrobot.report.outputs import read_plan
 
 ONE = Instance(
     OpenFloor(),

@@ -20,7 +20,7 @@ from qrobot._numbers import number
 from qrobot.plan import Plan
 from qrobot.problem import Instance, Node, OpenFloor, Order, Point, Slot
 from qrobot.report import plot
-from qrobot.report.fonts import OWN, choose, told
+from qrobot.report.fonts import OWN, choose, font_notes
 from qrobot.report.picture import draw, style
 from qrobot.report.scene import Scene, scene_of
 
@@ -205,14 +205,14 @@ def test_without_need_nobody_is_asked() -> None:
 
 
 def test_what_is_missing_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    (note,) = told("日本", ["日本"])
+    (note,) = font_notes("日本", ["日本"])
     assert "日本" in note
     assert "CJK" in note
     assert "fonts-noto" in note
-    assert told("", ["abc"]) == []
+    assert font_notes("", ["abc"]) == []
     monkeypatch.setattr("qrobot.report.fonts._orders", lambda: False)
-    assert "3.11" in told("", ["קופסה"])[0]
-    assert told("", ["abc"]) == []
+    assert "3.11" in font_notes("", ["קופסה"])[0]
+    assert font_notes("", ["abc"]) == []
 
 
 def named(instance: Instance, name: str) -> Instance:

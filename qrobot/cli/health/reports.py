@@ -66,11 +66,10 @@ def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
       qrobot health merge reports/*.json
       qrobot health merge reports/*.json --html fleet.html
     """
-    from qrobot._files import write_text_atomic
+    from qrobot._files import check_outputs, write_text_atomic
     from qrobot.errors import InputError
     from qrobot.health import read_report
     from qrobot.health.reports import fleet, fleet_html
-    from qrobot.report.outputs import check_outputs
 
     check_outputs([html_path] if html_path else [], files)
     found = fleet([read_report(path) for path in files])

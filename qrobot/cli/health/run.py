@@ -143,6 +143,7 @@ def run(
       qrobot health --quick --compare yesterday.json
       qrobot health merge reports/*.json --html fleet.html
     """
+    from qrobot._files import check_outputs
     from qrobot.cli.health.reports import show_report
     from qrobot.cli.signals import exit_on_signals
     from qrobot.errors import InputError
@@ -150,7 +151,6 @@ def run(
     from qrobot.health.record import Clockwork
     from qrobot.health.reports import compare, document, save
     from qrobot.health.schema import schema_text
-    from qrobot.report.outputs import check_outputs
 
     if schema:
         say(schema_text(), end="")
