@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from pathlib import Path
 from typing import Any
@@ -11,10 +10,9 @@ import pytest
 from click.testing import CliRunner
 from health import samples
 from health.commands import code_of
-from pages.blocks import blocks_of
 
 from qrobot.cli.health import command
-from qrobot.health import PROFILES, Report, run, system_findings
+from qrobot.health import PROFILES, Report, system_findings
 from qrobot.health.reports import compare, metrics
 from qrobot.health.reports.compare import LARGER, MEGABYTES, SECONDS, SLOWER
 from qrobot.health.system.board import HOT
@@ -117,16 +115,6 @@ def test_the_table_of_drift_is_that_of_the_code() -> None:
         assert bool(compare(one, other).drift) == ("--strict-compare" in told[name])
         fault = samples.found(one, fact, status="fault")
         assert bool(compare(one, fault).worse) == ("when it became a fault" in told[name])
-
-
-def test_the_check_of_the_recipe_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("networkx", reason="networkx is not installed")
-    recipes = blocks_of(PAGE.parent / "extending.md", "python")
-    (block,) = [block for block in recipes if "CHECK = Check(" in block.text]
-    (tmp_path / "ring_of_the_page.py").write_text(block.text)
-    monkeypatch.syspath_prepend(str(tmp_path))
-    found = run(importlib.import_module("ring_of_the_page").CHECK)
-    assert found.status == "pass", found.message
 
 
 def test_every_profile_is_explained() -> None:
