@@ -104,6 +104,8 @@ def page_of(path: Path, *, execute: bool) -> str:
 
 def _note(path: Path, absent: str) -> str:
     note = f"A notebook; its source is <code>{path.relative_to(ROOT)}</code>."
+    if path.parent.name == "healthchecks":
+        note += ' <a href="../">All notebooks</a> of the health checks.'
     if absent:
         note += f" <code>{html.escape(absent)}</code> was not installed where this page was built:"
         note += " outputs that need it are left out."
