@@ -27,7 +27,7 @@ def copy_house(folder: Path) -> None:
 
 
 def follow_recipe(folder: Path) -> None:
-    blocks = [block.text for block in blocks_of(ROOT / "docs/extending.md", "python")]
+    blocks = [block.text for block in blocks_of(ROOT / "docs/extending.md")]
     (check,) = (text for text in blocks if "CHECK = Check(" in text)
     (notebook,) = (text for text in blocks if text.startswith("# %%"))
     (line,) = (text for text in blocks if text.startswith('    "networkx": '))
