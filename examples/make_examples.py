@@ -29,7 +29,7 @@ from qrobot.problem import (
     Slot,
 )
 from qrobot.problem.formats.jsontext import dumps
-from qrobot.problem.formats.native_writer import to_text
+from qrobot.problem.formats.native import to_text
 
 OURS = "Coordinates and orders are ours, drawn with seed {seed}; see examples/make_examples.py."
 

@@ -13,17 +13,11 @@ from collections import defaultdict
 from collections.abc import Iterable
 from itertools import pairwise
 
+from qrobot.problem.aisles import AisleWarehouse
 from qrobot.problem.checks import MAX_LENGTH
-from qrobot.problem.warehouse import (
-    AisleWarehouse,
-    DistanceTable,
-    Node,
-    OpenFloor,
-    Place,
-    Point,
-    Slot,
-    Warehouse,
-)
+from qrobot.problem.floor import OpenFloor
+from qrobot.problem.table import DistanceTable
+from qrobot.problem.warehouse import Node, Place, Point, Slot, Warehouse
 
 __all__ = ["Ruler"]
 

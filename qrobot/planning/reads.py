@@ -18,7 +18,7 @@ from qrobot.models import Penalties, PickingModel
 from qrobot.planning.arguments import MODEL_OPTIONS, check_options
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
-from qrobot.problem.formats.native_writer import to_text
+from qrobot.problem.formats.native import to_text
 
 __all__ = ["AFTERWARDS", "parameters_of", "split_options", "take_reads"]
 

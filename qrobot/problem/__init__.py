@@ -1,18 +1,12 @@
 """What is asked: warehouse, items, orders, robots; distances; readers and writers."""
 
+from qrobot.problem.aisles import AisleWarehouse
 from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.floor import OpenFloor
 from qrobot.problem.instance import Instance
+from qrobot.problem.table import DistanceTable
 from qrobot.problem.validity import MAX_ITEMS, MAX_STOPS
-from qrobot.problem.warehouse import (
-    AisleWarehouse,
-    DistanceTable,
-    Node,
-    OpenFloor,
-    Place,
-    Point,
-    Slot,
-    Warehouse,
-)
+from qrobot.problem.warehouse import Node, Place, Point, Slot, Warehouse
 
 __all__ = [
     "MAX_ITEMS",

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem.checks import check_coordinate
-from qrobot.problem.places import Place, Point
+from qrobot.problem.warehouse import Place, Point
 
-__all__ = ["OpenFloor"]
+__all__ = ["OpenFloor", "coarse"]
+
+
+SMALL = 10.0
+"""Largest distances below this lose a twentieth or more to whole numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +41,23 @@ class OpenFloor:
     rounding: Literal["none", "nearest"] = "none"
     kind: Literal["floor"] = "floor"
 
+    has_given_distances: ClassVar = False
+    way_out: ClassVar = ""
+
     def __post_init__(self) -> None:
         """Check the depot."""
         check_coordinate(self.depot_x, "depot.x")
         check_coordinate(self.depot_y, "depot.y")
+
+    @property
+    def is_metric(self) -> bool:
+        """Whether the triangle inequality holds: rounding may break it."""
+        return self.rounding == "none"
+
+    @property
+    def unit(self) -> str:
+        """Unit of its distances: rounded ones are a benchmark's, which has none."""
+        return "m" if self.rounding == "none" else ""
 
     @property
     def depot(self) -> tuple[float, float]:
@@ -84,3 +101,32 @@ class OpenFloor:
         if self.metric == "manhattan" and a[0] != b[0] and a[1] != b[1]:
             return [a, (b[0], a[1]), b]
         return [a, b]
+
+    def notes(
+        self, distances: Floats, places: Sequence[Place], _names: Sequence[str]
+    ) -> tuple[str, ...]:
+        """Return what is unusual about the distances: rounding may leave them coarse."""
+        if self.rounding == "none":
+            return ()
+        exact = replace(self, rounding="none")
+        rule = "EUC_2D" if self.metric == "euclidean" else "MAN_2D"
+        return coarse(distances, lambda: exact.distance_matrix(places), rule)
+
+
+def coarse(rounded: Floats, lengths: Callable[[], Floats], rule: str) -> tuple[str, ...]:
+    """Return a note when distances are so small that whole numbers hide most of them.
+
+    Parameters
+    ----------
+    rounded, lengths
+        The distances with rounding, and what gives them without.
+    rule
+        Which of TSPLIB's rules rounded them.
+    """
+    largest = float(rounded.max(initial=0.0))
+    if largest >= SMALL or np.array_equal(rounded, lengths()):
+        return ()
+    return (
+        f"distances are rounded to whole numbers as {rule} demands; the largest is {largest:g} "
+        "(rounding none leaves them as they are)",
+    )

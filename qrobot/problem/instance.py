@@ -19,16 +19,15 @@ import numpy.typing as npt
 
 from qrobot._notebook import html_table, shown_name
 from qrobot.errors import InputError
-from qrobot.problem.asymmetry import unreachable, unusual
 from qrobot.problem.checks import check_reference
-from qrobot.problem.coarse import coarse
 from qrobot.problem.entities import Item, Order, Robot
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.insertion import insert_orders
+from qrobot.problem.table import unreachable
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
 from qrobot.problem.useful import outlying, useful_limit
 from qrobot.problem.validity import check_entities, some
-from qrobot.problem.warehouse import DistanceTable, OpenFloor, Place, Warehouse
+from qrobot.problem.warehouse import Place, Warehouse
 
 __all__ = ["Instance"]
 
@@ -138,12 +137,12 @@ class Instance:
         cut_off = unreachable(np.isfinite(matrix))
         if cut_off.size:
             found = np.flatnonzero(np.isin(self.place_of_node, cut_off)) - 1
-            mends = {"aisles": ", or open an aisle", "matrix": ", or fill in their distances"}
+            way_out = self.warehouse.way_out
             raise InputError(
                 f"no way leads from the depot to items {some([self.items[i].id for i in found])} "
                 "and back",
                 field=f"items[{found[0]}].at",
-                mend="move the items" + mends.get(self.warehouse.kind, ""),
+                mend="move the items" + (f", or {way_out}" if way_out else ""),
             )
         return matrix
 
@@ -154,7 +153,7 @@ class Instance:
         More than some plan without a forbidden way is long, so that no shortest plan takes a
         way of that price: neither one that is forbidden nor one that a large number marks.
         """
-        if not isinstance(self.warehouse, DistanceTable) or not self.stops:
+        if not self.warehouse.has_given_distances or not self.stops:
             return math.inf  # the way there and back is longer than any way of a metric
         rows = self._stop_rows
         return useful_limit(
@@ -228,12 +227,6 @@ class Instance:
         """Whether some order has several stops, so that its items must be kept together."""
         return len(self.stops) > len(self.orders)
 
-    @property
-    def surely_metric(self) -> bool:
-        """Whether the kind of warehouse alone guarantees the triangle inequality."""
-        kind = self.warehouse
-        return kind.kind == "aisles" or (kind.kind == "floor" and kind.rounding == "none")
-
     @cached_property
     def stops(self) -> tuple[tuple[int, ...], ...]:
         """Nodes of each stop: items of one order in one place are collected at one stop.
@@ -244,7 +237,7 @@ class Instance:
         found: dict[tuple[int, Place | int], list[int]] = {}
         for o, nodes in enumerate(self.order_nodes):
             for node in nodes:
-                place = self.items[node - 1].place if self.surely_metric else node
+                place = self.items[node - 1].place if self.warehouse.is_metric else node
                 found.setdefault((o, place), []).append(node)
         return tuple(tuple(nodes) for nodes in found.values())
 
@@ -319,17 +312,14 @@ class Instance:
         """Facts about the input that its plans depend on, one sentence each."""
         if not self.items:
             return self.remarks
-        d, floor = self.place_distances, self.warehouse
+        d = self.place_distances
         first = np.unique(self.place_of_node, return_index=True)[1].tolist()
         names = [self.node_name(node) for node in first]
-        found = self.remarks + outlying(d, names, self.longest_useful)
-        if isinstance(floor, DistanceTable):  # the others are metric by construction
-            found += unusual(d, floor.given_distances(self.places), names)
-        elif isinstance(floor, OpenFloor) and floor.rounding == "nearest":
-            exact = dataclasses.replace(floor, rounding="none")
-            rule = "EUC_2D" if floor.metric == "euclidean" else "MAN_2D"
-            found += coarse(d, lambda: exact.distance_matrix(self.places), rule)
-        return found
+        return (
+            self.remarks
+            + outlying(d, names, self.longest_useful)
+            + self.warehouse.notes(d, self.places, names)
+        )
 
     @property
     def size(self) -> int:

@@ -14,7 +14,7 @@ from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
 from qrobot.plan import Plan, Trip, plan_of
-from qrobot.problem import AisleWarehouse, Instance, Item, OpenFloor
+from qrobot.problem import Instance, Item
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
@@ -163,11 +163,8 @@ def _quality(result: Result) -> str:
 
 
 def _unit(instance: Instance) -> str:
-    house = instance.warehouse
-    metres = isinstance(house, AisleWarehouse) or (
-        isinstance(house, OpenFloor) and house.rounding == "none"
-    )
-    return " m" if metres else ""
+    unit = instance.warehouse.unit
+    return f" {unit}" if unit else ""
 
 
 def _subtitle(plan: Plan, instance: Instance) -> str:

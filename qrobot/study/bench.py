@@ -19,12 +19,12 @@ from qrobot._processes import child_environment, python_command
 from qrobot.errors import InputError
 from qrobot.problem.checks import is_reference
 from qrobot.problem.formats.jsontext import loads
+from qrobot.problem.formats.registry import format_of, suffixes
 from qrobot.study.runner import Part, measured_here, run_parts
 
 __all__ = ["BENCH_SCHEMA", "BenchRow", "Task", "find_instances", "run_bench", "tasks"]
 
 BENCH_SCHEMA = "qrobot.bench/1"
-SUFFIXES = (".vrp", ".json", ".csv")
 GRACE = 60.0
 """Seconds over the deadline after which a run counts as hung and is ended."""
 
@@ -103,7 +103,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     found = sorted(
         path
         for path in root.iterdir()
-        if path.suffix.lower() in SUFFIXES
+        if path.suffix.lower() in suffixes()
         and path.name not in {"index.json", "layout.json"}
         and not path.name.endswith((".layout.json", ".schema.json"))
         and fnmatch.fnmatch(path.name, match if any(c in match for c in "*?[") else f"{match}*")
@@ -111,7 +111,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     )
     if not found:
         raise InputError(
-            f"holds no {', '.join(SUFFIXES)} file like {match!r}",
+            f"holds no {', '.join(suffixes())} file like {match!r}",
             source=os.fspath(folder),
             mend="give another folder or pattern",
         )
@@ -185,7 +185,8 @@ def tasks(
     for path in paths:
         own = next((n for pattern, n in rules if fnmatch.fnmatch(path.name, pattern)), robots)
         known = references(path.parent).get(path.name)
-        rule = rounding if path.suffix.lower() == ".vrp" else None
+        known_format = format_of(path.suffix.lower())
+        rule = rounding if known_format and "rounding" in known_format.options else None
         found += [
             Task(os.fspath(path), backend, seed, deadline, max_work, own, known, rule)
             for backend in backends

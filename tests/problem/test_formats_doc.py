@@ -15,7 +15,7 @@ from pages.blocks import ROOT, blocks_of
 
 import qrobot
 from qrobot.problem import MAX_ITEMS, MAX_STOPS
-from qrobot.problem.warehouse import MAX_CROSSINGS
+from qrobot.problem.aisles import MAX_CROSSINGS
 
 PAGE = ROOT / "docs" / "formats.md"
 

@@ -18,8 +18,7 @@ import qrobot
 from qrobot.errors import InputError
 from qrobot.problem import DistanceTable, Instance, Item, Node, OpenFloor, Order, Point, Robot
 from qrobot.problem.formats.jsontext import dumps, loads
-from qrobot.problem.formats.native_writer import SCHEMA as WRITTEN
-from qrobot.problem.formats.native_writer import to_text
+from qrobot.problem.formats.native import to_text
 from qrobot.problem.formats.schema import SCHEMA, Document
 
 
@@ -108,7 +107,7 @@ def test_a_third_cannot_be_written(tmp_path: Path) -> None:
 
 
 def test_both_sides_mean_the_same_schema() -> None:
-    assert WRITTEN == SCHEMA == Document.model_fields["schema_"].annotation.__args__[0]
+    assert Document.model_fields["schema_"].annotation.__args__[0] == SCHEMA
 
 
 def test_coordinates_of_a_table_survive(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from strategies import instances
 
 import qrobot
-from qrobot.problem.formats.native_writer import to_text
+from qrobot.problem.formats.native import to_text
 from qrobot.problem.formats.schema import json_schema
 
 PUBLISHED = Path(qrobot.__file__).parent / "problem" / "instance.schema.json"

@@ -98,7 +98,7 @@ def radial_bound(instance: Instance) -> float:
     if not instance.orders:
         return 0.0
     d = instance.stop_distances
-    if instance.surely_metric:
+    if instance.warehouse.is_metric:
         away = d[0, 1:] + d[1:, 0]
     else:
         away = (_from_depot(d) + _from_depot(d.T))[1:]
@@ -137,7 +137,7 @@ def shortest_ways(instance: Instance, stop: Callable[[], bool]) -> Floats | None
     numpy.ndarray or None
         ``None`` when stopped, or when there are too many stops.
     """
-    if instance.surely_metric:
+    if instance.warehouse.is_metric:
         return instance.stop_distances
     d = instance.stop_distances.copy()
     if len(d) > MAX_SHORTCUTS:

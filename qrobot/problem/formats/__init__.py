@@ -1,8 +1,4 @@
-"""Readers and writers, one file a format.
-
-`read` tells the format by the file's extension: ``.json`` native, ``.csv`` orders with a
-layout beside them, ``.vrp`` CVRPLIB and QOBLIB. `write` writes native JSON.
-"""
+"""Readers and writers, one file a format; `registry` knows them by the suffix of their files."""
 
 from __future__ import annotations
 
@@ -13,11 +9,30 @@ from pathlib import Path
 
 from qrobot._files import StrPath, path_text, write_text_atomic
 from qrobot.errors import InputError
+from qrobot.problem.formats.registry import (
+    Format,
+    ReadOptions,
+    format_of,
+    register,
+    suffixes,
+)
 from qrobot.problem.instance import Instance
 from qrobot.problem.shipped import example_path
 from qrobot.problem.units import Quantity, exact
 
-__all__ = ["instance_of", "read", "write"]
+__all__ = ["Format", "ReadOptions", "instance_of", "read", "register", "suffixes", "write"]
+
+
+_FOREIGN = {
+    # option: (field, problem, mend), where a file's format does not know it
+    "layout": (None, "a layout belongs to CSV orders", "leave it out, or give a .csv"),
+    "ignore_columns": ("ignore_columns", "columns belong to CSV orders", "leave it out"),
+    "rounding": (
+        "rounding",
+        "rounding belongs to .vrp files",
+        "leave it out (a floor in native JSON has a field for it)",
+    ),
+}
 
 
 def read(
@@ -35,8 +50,9 @@ def read(
     Parameters
     ----------
     path
-        A ``.json``, ``.csv`` or ``.vrp`` file, or ``example`` (``example:NAME``) for one that
-        comes with qRobot.
+        A file whose suffix tells its format (``.json`` native, ``.csv`` orders with a layout
+        beside them, ``.vrp`` CVRPLIB and QOBLIB, and what was registered), or ``example``
+        (``example:NAME``) for one that comes with qRobot.
     layout
         The layout of CSV orders; by default ``<stem>.layout.json`` or ``layout.json``
         beside them.
@@ -64,71 +80,36 @@ def read(
     """
     path = example_path(path_text(path)) or path
     try:
-        instance = _read_file(path, layout, robots, capacity, rounding, ignore_columns)
+        options = ReadOptions(
+            layout=layout,
+            robots_follow=robots is not None,
+            capacity=None if capacity is None else exact(capacity, field="capacity"),
+            rounding=rounding,
+            ignore_columns=ignore_columns,
+        )
+        instance = _read_file(path, options, robots)
     except InputError as error:
         raise error.in_file(os.fspath(path)) from None
     return instance.split_orders() if split_orders else instance
 
 
-def _read_file(
-    path: StrPath,
-    layout: StrPath | None,
-    robots: int | str | None,
-    capacity: Quantity | None,
-    rounding: str | None,
-    ignore_columns: Sequence[str],
-) -> Instance:
+def _read_file(path: StrPath, options: ReadOptions, robots: int | str | None) -> Instance:
     count = _count(robots)
-    size = None if capacity is None else exact(capacity, field="capacity")
+    size = options.capacity
     if size is not None and size <= 0:
-        raise InputError(f"{capacity} is not positive", field="capacity", mend="give more than 0")
+        raise InputError(f"{size} is not positive", field="capacity", mend="give more than 0")
     suffix = Path(path).suffix.lower()
-    if layout is not None and suffix != ".csv":
-        raise InputError("a layout belongs to CSV orders", mend="leave it out, or give a .csv")
-    if ignore_columns and suffix != ".csv":
-        raise InputError(
-            "columns belong to CSV orders", field="ignore_columns", mend="leave it out"
-        )
-    _check_rounding(rounding, suffix)
-    if suffix == ".json":
-        from qrobot.problem.formats.native import read_native
-
-        instance = read_native(path)
-    elif suffix == ".csv":
-        from qrobot.problem.formats.csvs import read_csv
-
-        instance = read_csv(path, layout, ignore_columns)
-    elif suffix == ".vrp":
-        from qrobot.problem.formats.vrp import read_vrp
-
-        instance = read_vrp(
-            path, robots_follow=robots is not None, capacity=size, rounding=rounding
-        )
-    else:
+    format_ = format_of(suffix)
+    for name, (field, problem, mend) in _FOREIGN.items():
+        if getattr(options, name) and name not in (format_.options if format_ else ()):
+            raise InputError(problem, field=field, mend=mend)
+    if format_ is None:
         raise _unknown(path)
+    instance = format_.read(Path(path), options)
     if size is not None:
         fleet = tuple(dataclasses.replace(r, capacity=size) for r in instance.robots)
         instance = dataclasses.replace(instance, robots=fleet)
     return instance if robots is None else instance.with_robots(count)
-
-
-def _check_rounding(rounding: str | None, suffix: str) -> None:
-    if rounding is None:
-        return
-    if suffix != ".vrp":
-        raise InputError(
-            "rounding belongs to .vrp files",
-            field="rounding",
-            mend="leave it out (a floor in native JSON has a field for it)",
-        )
-    from qrobot.problem.formats.weights import ROUNDINGS
-
-    if rounding not in ROUNDINGS:
-        raise InputError(
-            f"{rounding!r:.40} is not a rounding",
-            field="rounding",
-            mend=f"use one of {', '.join(ROUNDINGS)}",
-        )
 
 
 def _count(robots: int | str | None) -> int | None:
@@ -153,7 +134,10 @@ def _unknown(path: StrPath) -> InputError:
     except (OSError, ValueError) as error:
         return InputError(f"cannot be read ({error})", mend="check the path")
     shown = target.suffix or "no extension"
-    return InputError(f"unsupported format ({shown})", mend="give a .json, .csv or .vrp file")
+    *others, last = suffixes()
+    return InputError(
+        f"unsupported format ({shown})", mend=f"give a {', '.join(others)} or {last} file"
+    )
 
 
 def instance_of(question: Instance | StrPath) -> Instance:
@@ -175,7 +159,7 @@ def instance_of(question: Instance | StrPath) -> Instance:
 
 
 def write(instance: Instance | StrPath, path: StrPath) -> None:
-    """Write an instance as native JSON, whole or not at all.
+    """Write an instance, whole or not at all; native JSON unless the suffix says another format.
 
     An instance with split orders is written as what it asks: every item its own order.
 
@@ -184,6 +168,9 @@ def write(instance: Instance | StrPath, path: StrPath) -> None:
     InputError
         When the file cannot be written, or a weight has no finite decimal.
     """
-    from qrobot.problem.formats.native_writer import to_text
-
+    format_ = format_of(Path(path_text(path)).suffix.lower())
+    if format_ is not None and format_.write is not None:
+        to_text = format_.write
+    else:
+        from qrobot.problem.formats.native import to_text
     write_text_atomic(path, to_text(instance_of(instance)))

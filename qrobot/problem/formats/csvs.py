@@ -20,8 +20,9 @@ from qrobot.problem import Instance, Item, Node, Order, Place, Point, Slot
 from qrobot.problem.formats.cells import Line, read_lines
 from qrobot.problem.formats.native import Layout, read_layout
 from qrobot.problem.formats.places import checked
+from qrobot.problem.formats.registry import Format, ReadOptions
 
-__all__ = ["read_csv"]
+__all__ = ["FORMAT", "read_csv"]
 
 
 def read_csv(
@@ -158,3 +159,15 @@ def _layout_of(orders: Path, given: StrPath | None) -> Layout:
         return read_layout(found)
     except InputError as error:
         raise error.in_file(str(found)) from None
+
+
+def _read(path: Path, options: ReadOptions) -> Instance:
+    return read_csv(path, options.layout, options.ignore_columns)
+
+
+FORMAT = Format(
+    "orders with a layout beside them",
+    ".csv",
+    read=_read,
+    options=frozenset({"layout", "ignore_columns"}),
+)

@@ -22,13 +22,15 @@ from qrobot.problem import (
     Robot,
 )
 from qrobot.problem.formats.places import checked
+from qrobot.problem.formats.registry import Format, ReadOptions
 from qrobot.problem.formats.solutions import reference_beside, reference_in_comment
 from qrobot.problem.formats.tsplib import Tsplib, parse
 from qrobot.problem.formats.vrp_places import places_of
+from qrobot.problem.formats.weights import ROUNDINGS
 from qrobot.problem.names import first_invisible
 from qrobot.problem.units import exact
 
-__all__ = ["read_vrp"]
+__all__ = ["FORMAT", "read_vrp"]
 
 _READ = {
     "NAME", "COMMENT", "TYPE", "DIMENSION", "CAPACITY", "VEHICLES", "EDGE_WEIGHT_TYPE",
@@ -81,6 +83,12 @@ def read_vrp(
     InputError
         When the file is broken, or asks for more than capacities.
     """
+    if rounding is not None and rounding not in ROUNDINGS:
+        raise InputError(
+            f"{rounding!r:.40} is not a rounding",
+            field="rounding",
+            mend=f"use one of {', '.join(ROUNDINGS)}",
+        )
     path = Path(path)
     file = parse(read_text(path, fallback="latin-1"))
     _check_known(file)
@@ -251,3 +259,15 @@ def _name(file: Tsplib) -> str:
 
 def _printable(text: str) -> str:
     return "".join(c for c in text if c.isprintable())[:200].strip()
+
+
+def _read(path: Path, options: ReadOptions) -> Instance:
+    return read_vrp(
+        path,
+        robots_follow=options.robots_follow,
+        capacity=options.capacity,
+        rounding=options.rounding,
+    )
+
+
+FORMAT = Format("CVRPLIB and QOBLIB", ".vrp", read=_read, options=frozenset({"rounding"}))

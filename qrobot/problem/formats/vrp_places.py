@@ -10,7 +10,7 @@ from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem import DistanceTable, Node, OpenFloor, Place, Point, Warehouse
 from qrobot.problem.checks import MAX_LENGTH
-from qrobot.problem.coarse import coarse
+from qrobot.problem.floor import coarse
 from qrobot.problem.formats.tsplib import Tsplib
 from qrobot.problem.formats.weights import (
     LAYOUTS,

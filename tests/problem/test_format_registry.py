@@ -1,0 +1,70 @@
+"""Formats are known by the suffix of their files; what one does not know is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import qrobot
+from qrobot.errors import InputError
+from qrobot.problem import Instance
+from qrobot.problem.formats import Format, ReadOptions, register, registry, suffixes
+from qrobot.problem.warehouse import Warehouse
+from qrobot.study.bench import find_instances
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.fixture(autouse=True)
+def _own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "_registered", {})
+
+
+def read_copy(path: Path, options: ReadOptions) -> Instance:
+    """Read a native file by its name in another file."""
+    assert options.layout is None
+    return qrobot.read(path.read_text())
+
+
+COPY = Format("the name of another file", ".copy", read=read_copy)
+
+
+@pytest.mark.parametrize("suffix", [*registry.BUILTIN])
+def test_ours_are_registered_under_their_own_suffix(suffix: str) -> None:
+    found = registry.format_of(suffix)
+    assert found is not None
+    assert found.suffix == suffix
+    assert found.options <= {"layout", "ignore_columns", "rounding"}
+
+
+def test_a_registered_format_is_read_found_and_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.COPY"
+    path.write_text(str(EXAMPLES / "paper-7-items.json"))
+    with pytest.raises(InputError, match=r"give a \.json, \.csv or \.vrp file"):
+        qrobot.read(path)
+    register(COPY)
+    assert suffixes() == [".json", ".csv", ".vrp", ".copy"]
+    assert qrobot.read(path, robots=2).items == qrobot.read(EXAMPLES / "paper-7-items.json").items
+    assert find_instances(tmp_path) == [path]
+    with pytest.raises(InputError, match="a layout belongs to CSV orders"):
+        qrobot.read(path, layout="layout.json")
+    (tmp_path / "a.txt").touch()
+    with pytest.raises(InputError, match=r"give a \.json, \.csv, \.vrp or \.copy file"):
+        qrobot.read(tmp_path / "a.txt")
+
+
+@pytest.mark.parametrize("suffix", ["copy", ".", "", ".CSV", ".csv", ".json"])
+def test_a_suffix_that_cannot_be_one_is_refused(suffix: str) -> None:
+    with pytest.raises(InputError, match=r"suffix: "):
+        register(Format("x", suffix, read=read_copy))
+    assert suffixes() == [".json", ".csv", ".vrp"]
+
+
+@pytest.mark.parametrize("name", ["small-warehouse.json", "paper-7-items.json"])
+def test_every_kind_of_warehouse_answers_what_is_asked(name: str) -> None:
+    instance = qrobot.read(EXAMPLES / name)
+    house: Warehouse = instance.warehouse
+    asked = {n for n in dir(Warehouse) if not n.startswith("_")}
+    assert asked <= set(dir(house))
+    assert house.distance_matrix(instance.places).shape == (len(instance.places) + 1,) * 2
