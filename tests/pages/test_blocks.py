@@ -39,7 +39,8 @@ def test_the_blocks_of_a_page(page: Path, tmp_path: Path, subtests: pytest.Subte
     for block in blocks_of(page):
         with subtests.test(msg=str(block)):
             prove(block, reader)
-    reader.prove_suites("\n\n".join(block.text for block in blocks_of(page, "python")))
+    run_here = (block for block in blocks_of(page, "python") if not block.mark.explained)
+    reader.prove_suites("\n\n".join(block.text for block in run_here))
 
 
 def prove(block: Block, reader: Reader) -> None:
@@ -52,7 +53,7 @@ def prove(block: Block, reader: Reader) -> None:
     check(block)
     if not outside and (absent := [extra for extra in extras if not installed(extra)]):
         pytest.skip(f"a page's block needs the extra {absent[0]}")
-    if not outside:
+    if not outside and not block.mark.explained:
         run(block, reader)
 
 
