@@ -26,8 +26,8 @@ from benchmarks.gate_row import GateRow, grover_row, one_hot_row, penalty_row, s
 from benchmarks.outputs import write
 from qrobot.backends.gate import DiagonalQAOA, Form
 from qrobot.study.render import markdown_table
-from qrobot.study.reproduce.instances import paper_instance as paper_row
-from qrobot.study.reproduce.instances import penalty_model
+from qrobot.study.reproduce.paper import paper_instance as paper_row
+from qrobot.study.reproduce.paper import penalty_model
 
 FIELDS = (
     ("method", "method", "{}"),

@@ -14,8 +14,8 @@ import numpy as np
 from qrobot.models import PickingModel
 from qrobot.problem import Instance
 from qrobot.study.reproduce.methods import METHODS
-from qrobot.study.reproduce.outcome import Outcome
 from qrobot.study.reproduce.paper import PaperRow, paper_rows
+from qrobot.study.reproduce.question import Outcome
 
 __all__ = ["blank", "done", "every_read", "row_of", "shortest"]
 

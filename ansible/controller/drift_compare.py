@@ -70,9 +70,9 @@ class Checkout:
 
 def compare(robots: list[dict[str, Any]], checkout: Checkout) -> dict[str, Any]:
     """Return the document qrobot.drift/1 without its time."""
-    told = [_robot(robot, checkout) for robot in robots]
+    entries = [_robot(robot, checkout) for robot in robots]
     columns = _columns({r["name"]: r for r in robots if r["inventory"]})
-    for entry in told:
+    for entry in entries:
         for group, column in columns:
             value = column.values.get(entry["name"])
             if value is not None and value != column.majority:
@@ -80,12 +80,12 @@ def compare(robots: list[dict[str, Any]], checkout: Checkout) -> dict[str, Any]:
                 entry["differs"].append({**odd, "majority": column.majority})
         if entry["state"] == "same" and (entry["drift"] or entry["differs"]):
             entry["state"] = "drift"
-    states = [entry["state"] for entry in told]
+    states = [entry["state"] for entry in entries]
     return {
         "schema": "qrobot.drift/1",
         "version": __version__,
         "totals": {s: states.count(s) for s in ("same", "drift", "unreachable")},
-        "robots": told,
+        "robots": entries,
         "differences": [
             {
                 "kind": column.kind,
@@ -102,7 +102,7 @@ def compare(robots: list[dict[str, Any]], checkout: Checkout) -> dict[str, Any]:
 def _robot(robot: dict[str, Any], checkout: Checkout) -> dict[str, Any]:
     """Hold one robot against its lock and its release."""
     profile, seen = robot["settings"].get("profile", ""), robot["inventory"]
-    told: dict[str, Any] = {
+    entry: dict[str, Any] = {
         "name": robot["name"],
         "profile": profile,
         "state": "same" if seen else "unreachable",
@@ -114,28 +114,28 @@ def _robot(robot: dict[str, Any], checkout: Checkout) -> dict[str, Any]:
         "notes": [],
     }
     if not seen:
-        return told
+        return entry
     if profile not in ROBOTS or seen["machine"] not in MACHINES.values():
         known = f"profile {profile or '-'} on {seen['machine']}"
-        told["drift"] = [f"there is no lock for {known}"]
-        return told
+        entry["drift"] = [f"there is no lock for {known}"]
+        return entry
     lock = checkout.packages(
         robot["settings"].get("lock") or lock_of(profile), seen["machine"], seen["python"]
     )
     wanted = checkout.release(profile, seen["machine"], seen["python"], lock)
-    told["release"]["wanted"] = wanted
-    told["notes"] = _notes(seen)
+    entry["release"]["wanted"] = wanted
+    entry["notes"] = _notes(seen)
     release = seen["release"]
     if release is None:
-        told["drift"] = ["no release is in use"]
-        return told
-    told["release"] |= {"in_use": release["id"], "previous": release["previous"]}
-    told["packages"] = _packages(seen["packages"], lock)
-    drift = told["drift"]
+        entry["drift"] = ["no release is in use"]
+        return entry
+    entry["release"] |= {"in_use": release["id"], "previous": release["previous"]}
+    entry["packages"] = _packages(seen["packages"], lock)
+    drift = entry["drift"]
     base = str(release["base"])
     if not (base.startswith(wanted) if wanted.endswith("-") else base == wanted):
         drift.append(f"release {base} instead of {wanted.removesuffix('-')}")
-    for kind, found in told["packages"].items():
+    for kind, found in entry["packages"].items():
         if found:
             first = ", ".join(list(found)[:3]) + (", ..." if len(found) > 3 else "")
             word = {"other": "in another version"}.get(kind, kind)
@@ -144,7 +144,7 @@ def _robot(robot: dict[str, Any], checkout: Checkout) -> dict[str, Any]:
     if damage["count"]:
         drift.append(f"{count(damage['count'], 'file')} damaged: {damage['differences'][0]}")
     drift += [f"{name} has failed" for name, u in seen["units"].items() if u["active"] == "failed"]
-    return told
+    return entry
 
 
 def _packages(has: dict[str, str], lock: dict[str, str]) -> dict[str, dict[str, Any]]:
@@ -201,7 +201,7 @@ def _columns(robots: dict[str, dict[str, Any]]) -> list[tuple[str, Column]]:
 
 
 def _unit(state: dict[str, str] | None) -> str:
-    """How a unit is switched; a service that runs now and then is not told by its state now."""
+    """How a unit is switched; a service that runs now and then is not judged by its state now."""
     if state is None:
         return ABSENT
     if state["enabled"] == "enabled":

@@ -64,8 +64,14 @@ def command(
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from qrobot.cli.signals import terminate_as_interrupt
     from qrobot.study.reproduce import Settings, reproduce
-    from qrobot.study.reproduce.docs import check_page, fill_page
-    from qrobot.study.reproduce.tables import drawn_text, place_text, result_text, summary
+    from qrobot.study.reproduce.tables import (
+        check_page,
+        drawn_text,
+        fill_page,
+        place_text,
+        result_text,
+        summary,
+    )
 
     output = output or "build/reproduce"
     if docs:

@@ -263,7 +263,7 @@ def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
                 errors="replace",
                 timeout=limit,
                 check=False,
-                start_new_session=True,  # Ctrl-C is for us: a run cut short is no row
+                start_new_session=True,  # Ctrl-C is for us: a run cut short has no row
             )
         except subprocess.TimeoutExpired:
             row.error = f"did not end within {limit:g} s"

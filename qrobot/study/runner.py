@@ -37,14 +37,14 @@ class Part(Generic[T]):
         What is measured, one by one.
     plain
         A result as plain data.
-    told
+    on_result
         Called with each result when it is kept.
     """
 
     name: str
     results: Iterable[T]
     plain: Callable[[T], dict[str, Any]]
-    told: Callable[[T], None] | None = None
+    on_result: Callable[[T], None] | None = None
 
 
 def machine() -> dict[str, Any]:
@@ -92,8 +92,8 @@ def run_parts(
             for result in part.results:
                 report[part.name].append(part.plain(result))
                 save()
-                if part.told is not None:
-                    part.told(result)
+                if part.on_result is not None:
+                    part.on_result(result)
                 if interrupted is not None and interrupted():
                     raise KeyboardInterrupt
     except KeyboardInterrupt:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from health.samples import report
 
-from qrobot.health.reports.prometheus import GAUGES, metrics
+from qrobot.health.reports.formats import GAUGES, metrics
 
 yaml = pytest.importorskip("yaml")
 

@@ -20,16 +20,16 @@ from reproductions import done, every_read, row_of, shortest
 from qrobot.errors import InputError
 from qrobot.models import build_model
 from qrobot.study.reproduce import TARGETS, Settings, reproduce
-from qrobot.study.reproduce.docs import fill_page
 from qrobot.study.reproduce.figures import FIGURES
-from qrobot.study.reproduce.instances import (
+from qrobot.study.reproduce.methods import methods_for
+from qrobot.study.reproduce.paper import (
     FIGURE_WEIGHTS,
     figure_instance,
     penalty_model,
     table_instance,
 )
-from qrobot.study.reproduce.methods import methods_for
-from qrobot.study.reproduce.outcome import Outcome
+from qrobot.study.reproduce.question import Outcome
+from qrobot.study.reproduce.tables import fill_page
 
 
 @pytest.fixture(scope="module")

@@ -18,11 +18,15 @@ from qrobot.backends.gate import memory
 from qrobot.errors import InputError
 from qrobot.models import build_model
 from qrobot.study.reproduce import Settings, reproduce
-from qrobot.study.reproduce.instances import FIGURE_WEIGHTS, penalty_model, table_instance
 from qrobot.study.reproduce.methods import METHODS, methods_for
-from qrobot.study.reproduce.outcome import Outcome
-from qrobot.study.reproduce.paper import PaperRow, paper_rows
-from qrobot.study.reproduce.question import Question
+from qrobot.study.reproduce.paper import (
+    FIGURE_WEIGHTS,
+    PaperRow,
+    paper_rows,
+    penalty_model,
+    table_instance,
+)
+from qrobot.study.reproduce.question import Outcome, Question
 
 # Typed from the paper's tables, not taken from our copy of them.
 FULL = [18, 26, 36, 48, 62, 78, 96, 116, 138, 162, 188]

@@ -2,10 +2,15 @@
 
 from qrobot.health.reports.compare import Change, Comparison, compare
 from qrobot.health.reports.fleet import Column, FleetHealth, fleet
-from qrobot.health.reports.junit import junit
+from qrobot.health.reports.formats import (
+    as_json,
+    document,
+    junit,
+    metrics,
+    save,
+    write_prometheus,
+)
 from qrobot.health.reports.pages import fleet_html, html
-from qrobot.health.reports.prometheus import metrics, write_prometheus
-from qrobot.health.reports.save import as_json, document, save
 from qrobot.health.reports.summary import (
     attention,
     checks_table,

@@ -21,8 +21,7 @@ from qrobot.planning import Result, solve
 from qrobot.problem import Instance
 from qrobot.report.palette import DEPOT, INK
 from qrobot.report.picture import check_picture_path, plot, save, style
-from qrobot.study.reproduce.instances import FIGURE_WEIGHTS, PLACES, figure_instance
-from qrobot.study.reproduce.paper import TITLE, YEAR
+from qrobot.study.reproduce.paper import FIGURE_WEIGHTS, PLACES, TITLE, YEAR, figure_instance
 
 __all__ = ["FIGURES", "draw_figure"]
 
@@ -36,7 +35,7 @@ NOTE = (
     "Note: the items weigh {total} together and a robot carries 45, so one robot is always "
     "optimal as long as distances keep the triangle inequality, whatever the places. The paper's "
     "panels with two and three robots at capacity 45 need a smaller M, a tie, or distances that "
-    "are no metric; the smaller capacities here are ours."
+    "do not form a metric; the smaller capacities here are ours."
 )
 
 

@@ -15,6 +15,7 @@ from typing import cast
 import dimod
 import numpy as np
 
+from qrobot._arrays import Floats
 from qrobot.backends import get
 from qrobot.backends.gate import (
     DiagonalQAOA,
@@ -30,15 +31,14 @@ from qrobot.backends.gate.tune import SHARPER
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError
 from qrobot.models import PickingModel, build_model
-from qrobot.study.reproduce.instances import (
+from qrobot.study.reproduce.paper import (
     ENUMERATED,
+    PaperRow,
     paper_instance,
     penalty_model,
     table_instance,
 )
-from qrobot.study.reproduce.outcome import Clock, Outcome, judged
-from qrobot.study.reproduce.paper import PaperRow
-from qrobot.study.reproduce.question import Question, same
+from qrobot.study.reproduce.question import Clock, Outcome, Question, judged, same
 
 __all__ = [
     "ANNEALERS", "LARGE_QUBITS", "METHODS", "QUBITS", "VQES", "CannotRun", "Method", "methods_for",
@@ -201,15 +201,8 @@ def _swap(line: Outcome, question: Question, reads: int, seed: int) -> Outcome:
     with clock.timed("search"):
         start = _first_angles(question.row, qaoa.spread, seed)
         found = sharpen(qaoa, SWAP_LAYERS, evaluations=30, alphas=(1.0, 0.1), start=start)
-    with clock.timed("run"):
-        p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
-        drawn = np.random.default_rng(seed).choice(len(p), reads, p=p / p.sum())
-    with clock.timed("decode"):
-        distances = plans.costs[drawn]
-    line.probability = float(p[same(plans.costs, question.optimum)].sum())
     line.states = plans.size
-    line.details = {**_angles(found, qaoa.spread), "layers": SWAP_LAYERS}
-    return judged(line, question, distances, clock, seed=seed, plans_only=True)
+    return _read_plans(line, question, qaoa, found, plans.costs, reads, seed, clock)
 
 
 def _grover(line: Outcome, question: Question, reads: int, seed: int) -> Outcome:
@@ -224,13 +217,27 @@ def _grover(line: Outcome, question: Question, reads: int, seed: int) -> Outcome
         qaoa = counted.qaoa()
     with clock.timed("search"):
         found = sharpen(qaoa, GROVER_LAYERS, evaluations=200, alphas=SHARPER)
+    line.states = counted.size
+    return _read_plans(line, question, qaoa, found, counted.levels, reads, seed, clock)
+
+
+def _read_plans(
+    line: Outcome,
+    question: Question,
+    qaoa: SubspaceQAOA,
+    found: Tuning,
+    distances: Floats,
+    reads: int,
+    seed: int,
+    clock: Clock,
+) -> Outcome:
+    """Read a state of plans alone; `distances` are those of its amplitudes."""
     with clock.timed("run"):
         p = qaoa.probabilities(np.array(found.gammas), np.array(found.betas))
-        distances = np.random.default_rng(seed).choice(counted.levels, reads, p=p / p.sum())
-    line.probability = float(p[same(counted.levels, question.optimum)].sum())
-    line.states = counted.size
-    line.details = {**_angles(found, qaoa.spread), "layers": GROVER_LAYERS}
-    return judged(line, question, distances, clock, seed=seed, plans_only=True)
+        drawn = np.random.default_rng(seed).choice(len(p), reads, p=p / p.sum())
+    line.probability = float(p[same(distances, question.optimum)].sum())
+    line.details = {**_angles(found, qaoa.spread), "layers": len(found.gammas)}
+    return judged(line, question, distances[drawn], clock, seed=seed, plans_only=True)
 
 
 def _first_angles(

@@ -13,11 +13,9 @@ from qrobot._files import read_text, write_text_atomic
 from qrobot._json import json_text
 from qrobot.errors import InputError, MissingExtraError, QRobotError
 from qrobot.study.reproduce.figures import FIGURES, draw_figure
-from qrobot.study.reproduce.instances import PLACES, SEED
 from qrobot.study.reproduce.methods import CannotRun, Method, methods_for
-from qrobot.study.reproduce.outcome import Outcome
-from qrobot.study.reproduce.paper import TITLE, YEAR, PaperRow, paper_rows
-from qrobot.study.reproduce.question import Question
+from qrobot.study.reproduce.paper import PLACES, SEED, TITLE, YEAR, PaperRow, paper_rows
+from qrobot.study.reproduce.question import Outcome, Question
 from qrobot.study.reproduce.tables import write_tables
 from qrobot.study.runner import Part, measured_here, run_parts
 

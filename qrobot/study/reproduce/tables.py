@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from qrobot._files import write_text_atomic
+from qrobot._files import read_text, write_text_atomic
 from qrobot._text import columns
-from qrobot.errors import MissingExtraError
+from qrobot.errors import InputError, MissingExtraError
 from qrobot.report.palette import INK, colour_of
 from qrobot.study.render import (
     figure_text,
@@ -20,21 +22,26 @@ from qrobot.study.render import (
     write_csv,
 )
 from qrobot.study.reproduce.methods import ANNEALERS, METHODS, VQES
-from qrobot.study.reproduce.outcome import Outcome
 from qrobot.study.reproduce.paper import DEVICES, TITLE, YEAR, paper_rows
+from qrobot.study.reproduce.question import Outcome
 
-__all__ = ["drawn_text", "place_text", "result_text", "summary", "write_tables"]
+__all__ = [
+    "check_page", "drawn_text", "fill_page", "place_text", "result_text", "summary", "write_tables",
+]  # fmt: skip
 
 PAPER = (
     ("paper_annealer_seconds", "annealer", "s"),
     ("paper_ibmq_seconds", "Qiskit simulator", "^"),
     ("paper_pennylane_seconds", "PennyLane", "v"),
 )
-MARKERS = "oDPX*phd>"
+SHAPES = "oDPX*phd>"
 LEAST = 1e-5
 """Seconds below which a point stands at the edge."""
 
 Rows = Sequence[dict[str, Any]]
+
+MARKERS = "<!-- reproduce:{0} -->", "<!-- end of {0} -->"
+"""Around the place of a table in a page of the documentation."""
 
 COLUMNS = tuple(f.name for f in fields(Outcome) if f.name != "details")
 
@@ -224,7 +231,7 @@ def _plot(rows: Sequence[dict[str, Any]], table: int, path: Path) -> None:
             if own:
                 axes.plot(
                     [row["qubits"] for row in own], [max(row[part], LEAST) for row in own],
-                    marker=MARKERS[k], lw=1.4, ms=6, color=colour_of(k).fill,
+                    marker=SHAPES[k], lw=1.4, ms=6, color=colour_of(k).fill,
                     mec=colour_of(k).edge, zorder=3, label=f"ours: {method.label}",
                     gid=f"ours-{name}",
                 )  # fmt: skip
@@ -296,3 +303,40 @@ def summary(report: dict[str, Any], folder: str) -> str:
 
 def _text(value: float | None) -> str:
     return "-" if value is None else f"{value:.3g}"
+
+
+def check_page(path: str | os.PathLike[str]) -> str:
+    """Return a page's text, when it has places to fill.
+
+    Raises
+    ------
+    InputError
+        When the page cannot be read or has no marker.
+    """
+    text = read_text(path)
+    if "<!-- reproduce:" not in text:
+        raise InputError(
+            "has no place for a table",
+            source=os.fspath(path),
+            mend=f"write {' and '.join(MARKERS).format('table1')} into it, each on its own line",
+        )
+    return text
+
+
+def fill_page(path: str | os.PathLike[str], folder: str | os.PathLike[str]) -> list[str]:
+    """Put the Markdown files of a folder between a page's markers; return which.
+
+    Pictures are left out: they lie in the folder.
+    """
+    text, filled = check_page(path), []
+    for file in sorted(Path(folder).glob("*.md")):
+        before, after = (marker.format(file.stem) for marker in MARKERS)
+        place = re.compile(f"{re.escape(before)}\n.*?{re.escape(after)}", re.DOTALL)
+        if place.search(text):
+            lines = [line for line in read_text(file).splitlines() if not line.startswith("![")]
+            body = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
+            made = f"{before}\n{body}\n\n{after}"
+            text = place.sub(lambda _found, made=made: made, text)  # type: ignore[misc]
+            filled.append(file.stem)
+    write_text_atomic(path, text)
+    return filled

@@ -1,0 +1,281 @@
+"""A report for programs: JSON, JUnit XML for CI servers, metrics for node_exporter's collector.
+
+JUnit XML has no standard; this keeps to what Jenkins' schema allows and GitLab, GitHub's actions
+and others read: properties and counts on the suites, ``failure``, ``error`` and ``skipped`` in the
+cases.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+from qrobot._files import StrPath, write_bytes_atomic, write_text_atomic
+from qrobot._json import json_text
+from qrobot.errors import InputError
+from qrobot.health.model import CheckResult, Finding, Report, Standing, Status
+from qrobot.health.reports.compare import Comparison
+from qrobot.health.reports.pages import html
+from qrobot.health.reports.summary import totals_line
+from qrobot.health.system.board import THROTTLED
+
+if TYPE_CHECKING:
+    from prometheus_client import CollectorRegistry, Gauge
+
+__all__ = ["GAUGES", "as_json", "document", "junit", "metrics", "save", "write_prometheus"]
+
+FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML 1.0 cannot hold, escaped or not."""
+
+MEBI = 2**20
+
+GAUGES = {
+    "temperature": ("temperature_celsius", "Temperature of the processor.", 1),
+    "memory": ("memory_bytes", "Memory that programs may use in all.", MEBI),
+    "memory-available": ("memory_available_bytes", "Memory that is free for programs.", MEBI),
+    "swap-used": ("swap_used_bytes", "Swap in use.", MEBI),
+    "disk-free": ("disk_free_bytes", "Free disk of the folder in use.", MEBI),
+    "clock-synchronised": ("clock_synchronised", "Whether a time service keeps it right.", 1),
+    "throttled": ("throttled_bits", "The bits of vcgencmd get_throttled as a number.", 1),
+}
+"""Finding to metric, its help, and the factor to base units."""
+
+
+def document(report: Report, comparison: Comparison | None = None) -> dict[str, Any]:
+    """Return plain data, with the comparison as a field of its own where there is one."""
+    data = report.to_dict()
+    if comparison is not None:
+        data["comparison"] = comparison.to_dict()
+    return data
+
+
+def as_json(report: Report, comparison: Comparison | None = None) -> str:
+    """Return the document as text."""
+    return json_text(document(report, comparison), indent=1, ensure_ascii=False)
+
+
+def save(
+    report: Report,
+    comparison: Comparison | None = None,
+    *,
+    output: StrPath | None = None,
+    junit_path: StrPath | None = None,
+    html_path: StrPath | None = None,
+    prometheus: StrPath | None = None,
+) -> list[InputError]:
+    """Write every format that has a path, each whole or not at all.
+
+    Returns
+    -------
+    list of InputError
+        One for each that could not be written: what stood there before is untouched.
+    """
+    formats: list[tuple[StrPath | None, Callable[[StrPath], None]]] = [
+        (output, lambda path: write_text_atomic(path, as_json(report, comparison) + "\n")),
+        (junit_path, lambda path: write_text_atomic(path, junit(report))),
+        (html_path, lambda path: write_text_atomic(path, html(report, comparison))),
+        (prometheus, lambda path: write_prometheus(path, report)),
+    ]
+    troubles = []
+    for path, write in formats:
+        if path is not None:
+            try:
+                write(path)
+            except InputError as error:
+                troubles.append(error)
+    return troubles
+
+
+def junit(report: Report) -> str:
+    """Return the XML: one suite a group of checks, and one of the machine.
+
+    A wrong answer is a ``failure``, no answer an ``error``, an absent stack ``skipped``, or a
+    failure where it was required. A fault of the machine is a failure; a warning passes, with
+    its sentence in ``system-out``; what could not be told is skipped.
+    """
+    root = ET.Element("testsuites", name="qrobot health", time=_time(report.seconds))
+    groups: dict[str, list[CheckResult]] = {}
+    for check in report.checks:
+        groups.setdefault(check.group, []).append(check)
+    for group, checks in groups.items():
+        cases = [_check(check, report.required) for check in checks]
+        _suite(root, f"qrobot.health.{_word(group)}", report, cases)
+    if report.system:
+        _suite(root, "qrobot.health.machine", report, [_finding(f) for f in report.system])
+    for name in ("tests", "failures", "errors"):
+        root.set(name, str(sum(int(suite.get(name, "0")) for suite in root)))
+    ET.indent(root, " ")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _suite(root: ET.Element, name: str, report: Report, cases: Sequence[ET.Element]) -> None:
+    when = datetime.fromisoformat(report.made).astimezone(UTC)
+    suite = ET.SubElement(
+        root,
+        "testsuite",
+        name=name,
+        tests=str(len(cases)),
+        failures=str(sum(case.find("failure") is not None for case in cases)),
+        errors=str(sum(case.find("error") is not None for case in cases)),
+        skipped=str(sum(case.find("skipped") is not None for case in cases)),
+        time=_time(sum(float(case.get("time", "0")) for case in cases)),
+        timestamp=when.strftime("%Y-%m-%dT%H:%M:%S"),  # that schema knows no zone
+        hostname=_clean(report.host),
+    )
+    properties = ET.SubElement(suite, "properties")
+    about = {
+        "qrobot": report.qrobot,
+        "python": report.python,
+        "machine": report.machine,
+        "model": report.model or "unknown",
+        "profile": report.profile,
+        "totals": totals_line(report),
+    }
+    for key, value in (about | report.versions).items():
+        ET.SubElement(properties, "property", name=_clean(key), value=_clean(value))
+    for case in cases:
+        case.set("classname", name)
+        suite.append(case)
+
+
+def _check(check: CheckResult, required: bool) -> ET.Element:
+    took = (check.import_seconds or 0.0) + (check.run_seconds or 0.0)
+    case = ET.Element("testcase", name=_clean(check.name), time=_time(took))
+    tag = {"pass": "", "fail": "failure", "error": "error", "absent": "skipped"}[check.status]
+    if check.status == "absent" and required:
+        tag = "failure"
+    if tag:
+        _outcome(case, tag, check.status, check.message)
+    versions = ", ".join(f"{name} {version}" for name, version in check.versions.items())
+    lines = [
+        f"{check.title} (expected from: {check.message})" if not tag else check.title,
+        f"versions: {versions or 'none'}",
+        f"import {_said(check.import_seconds, 's')}, run {_said(check.run_seconds, 's')}, "
+        f"peak memory {_said(check.peak_mb, 'MB')}",
+    ]
+    ET.SubElement(case, "system-out").text = _clean("\n".join(lines))
+    return case
+
+
+def _finding(finding: Finding) -> ET.Element:
+    case = ET.Element("testcase", name=_clean(finding.name), time=_time(0.0))
+    if finding.status in ("fault", "unknown"):
+        tag = "failure" if finding.status == "fault" else "skipped"
+        _outcome(case, tag, finding.status, finding.message)
+    said = f"{finding.title}: {finding.text()}: {finding.status}: {finding.message}"
+    ET.SubElement(case, "system-out").text = _clean(said)
+    return case
+
+
+def _outcome(case: ET.Element, tag: str, kind: str, message: str) -> None:
+    text = _clean(message)
+    outcome = ET.SubElement(case, tag, message=text)
+    if tag != "skipped":  # which has no type
+        outcome.set("type", kind)
+        outcome.text = text
+
+
+def _clean(text: str) -> str:
+    return FORBIDDEN.sub("\ufffd", text)
+
+
+def _word(group: str) -> str:
+    return re.sub(r"\W+", "_", group)
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.3f}"
+
+
+def _said(value: float | None, unit: str) -> str:
+    return "not reached" if value is None else f"{value:.3f} {unit}"
+
+
+def metrics(report: Report) -> CollectorRegistry:
+    """Return the metrics of a report in a registry of their own.
+
+    Statuses are one series a status, 1 for the one that holds, so that a rule can name it.
+    """
+    from prometheus_client import CollectorRegistry, Gauge
+
+    registry = CollectorRegistry()
+
+    def gauge(name: str, text: str, *labels: str) -> Gauge:
+        return Gauge(f"qrobot_health_{name}", text, labels, registry=registry)
+
+    info = gauge("info", "Who made the report; always 1.", "version", "python", "machine", "model")
+    info.labels(report.qrobot, report.python, report.machine, report.model or "").set(1)
+    when = datetime.fromisoformat(report.made).timestamp()
+    gauge("run_timestamp_seconds", "When the run began, in Unix time.").set(when)
+    gauge("run_duration_seconds", "What the whole run took.").set(report.seconds)
+    gauge("healthy", "1: no check is bad and the machine has no fault.").set(report.healthy)
+    package = gauge("package_info", "Installed packages; always 1.", "package", "version")
+    for name, version in report.versions.items():
+        package.labels(name, version).set(1)
+
+    status = gauge("check_status", "1 for the status that holds.", "check", "group", "status")
+    figures = {
+        "check_import_seconds": ("What the imports took.", "import_seconds", 1),
+        "check_run_seconds": ("What the computation took.", "run_seconds", 1),
+        "check_peak_memory_bytes": ("Largest resident memory.", "peak_mb", MEBI),
+    }
+    for check in report.checks:
+        for one in get_args(Status):
+            status.labels(check.name, check.group, one).set(check.status == one)
+    for metric, (text, field, factor) in figures.items():
+        series = gauge(metric, text, "check", "group")
+        for check in report.checks:
+            if (value := getattr(check, field)) is not None:
+                series.labels(check.name, check.group).set(value * factor)
+    _machine(report, gauge)
+    return registry
+
+
+def _machine(report: Report, gauge: Callable[..., Gauge]) -> None:
+    if not report.system:
+        return
+    status = gauge("finding_status", "1 for the status that holds.", "finding", "status")
+    for finding in report.system:
+        for one in get_args(Standing):
+            status.labels(finding.name, one).set(finding.status == one)
+    for name, (metric, text, factor) in GAUGES.items():
+        found = report.finding(name)
+        if found is not None and isinstance(found.value, bool | int | float):
+            gauge(metric, text).set(found.value * factor)
+    found = report.finding("throttled")
+    if found is not None and isinstance(found.value, int):
+        series = gauge("throttled", "1 while, or since, it is so.", "condition", "when")
+        for bit, condition in THROTTLED.items():
+            name = condition.replace("-", "_").replace(" ", "_")
+            series.labels(name, "now").set(found.value >> bit & 1)
+            series.labels(name, "since_start").set(found.value >> (bit + 16) & 1)
+
+
+def write_prometheus(path: StrPath, report: Report) -> None:
+    """Write the metrics, the whole file or nothing.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written; what stood there before is untouched.
+    """
+    from prometheus_client import generate_latest, write_to_textfile
+
+    registry = metrics(report)
+    target = Path(os.path.realpath(path))  # a link keeps pointing to the file
+    if target.exists() and not stat.S_ISREG(target.stat().st_mode):
+        write_bytes_atomic(path, generate_latest(registry))  # the library would replace a device
+        return
+    try:
+        write_to_textfile(str(target), registry)
+    except (OSError, ValueError) as error:  # ValueError: no text in UTF-8
+        raise InputError(
+            f"cannot write {os.fspath(path)!r}: {getattr(error, 'strerror', None) or error}",
+            mend="check the folder and its free space, or choose another place",
+        ) from None
