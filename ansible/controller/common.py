@@ -48,7 +48,7 @@ def write_json(path: Path, document: Any) -> None:
 
 
 @contextlib.contextmanager
-def alone(folder: Path, who: str) -> Iterator[None]:
+def lock_folder(folder: Path, who: str) -> Iterator[None]:
     """Hold a folder while one program works in it; a second one waits. Ends with the process."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("w") as file:

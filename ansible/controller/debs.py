@@ -23,7 +23,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from common import ROOT, alone, read_json, run, say, sha256, write_json
+from common import ROOT, lock_folder, read_json, run, say, sha256, write_json
 from robotapt import Apt, Wanted
 
 from qrobot.errors import BackendError, InputError
@@ -39,7 +39,7 @@ def main() -> None:
                 f"there is no {tool} here: packages for offline robots are collected on Debian "
                 "or Ubuntu; provision with offline: false, or from such a machine"
             )
-    with unpacked(options.facts) as folder:
+    with unpack(options.facts) as folder:
         document = gather(options, folder)
     if options.json:
         print(json.dumps(document))
@@ -53,11 +53,11 @@ def gather(options: argparse.Namespace, folder: Path) -> dict[str, Any]:
     for name in packages:
         if not NAME.fullmatch(name):
             raise InputError(f"{name!r} is not the name of a package", field="--packages")
-    status, arch = facts(folder, options.arch)
+    status, arch = read_facts(folder, options.arch)
     what = "\0".join([arch, *packages]).encode() + b"\0" + status
     key = hashlib.sha256(what).hexdigest()[:16]
-    with alone(options.dest, "debs"):
-        document = kept(options.dest, key)
+    with lock_folder(options.dest, "debs"):
+        document = find_collected(options.dest, key)
         changed = document is None
         if document is None:
             document = collect(folder, arch, packages, options.dest, key)
@@ -78,7 +78,7 @@ def arguments() -> argparse.Namespace:
 
 
 @contextlib.contextmanager
-def unpacked(path: Path) -> Iterator[Path]:
+def unpack(path: Path) -> Iterator[Path]:
     """Lend the folder of facts, unpacked where they came as a tar file: files only."""
     if not path.is_file():
         yield path
@@ -99,7 +99,7 @@ def unpacked(path: Path) -> Iterator[Path]:
         yield folder
 
 
-def facts(folder: Path, arch: str | None) -> tuple[bytes, str]:
+def read_facts(folder: Path, arch: str | None) -> tuple[bytes, str]:
     """Return the robot's package state and its architecture."""
     try:
         status = (folder / "status").read_bytes()
@@ -114,7 +114,7 @@ def facts(folder: Path, arch: str | None) -> tuple[bytes, str]:
     return status, arch
 
 
-def kept(dest: Path, key: str) -> dict[str, Any] | None:
+def find_collected(dest: Path, key: str) -> dict[str, Any] | None:
     """Return what an earlier run collected, if every byte of it is still there."""
     document: dict[str, Any] | None = read_json(dest / f"{key}.json")
     if document is None:

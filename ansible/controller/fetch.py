@@ -65,11 +65,11 @@ def fetch(missing: list[Pin], store: Store, progress: Callable[[list[File]], Non
         if fault and len(some) > 1:  # one of them: which?
             todo[:0] = [([pin], ask) for pin in some]
         elif fault and OTHER_BYTES.search(fault):
-            name = _served(fault) or f"{some[0].name}-{some[0].version}"
+            name = _refused_file(fault) or f"{some[0].name}-{some[0].version}"
             failed[name] = "the index serves other bytes than the lock allows"
         elif fault:
             none = f"the index has no file that the lock allows for {store.target}"
-            why = none if NONE_THERE.search(fault) else f"pip failed, {_last(fault)}"
+            why = none if NONE_THERE.search(fault) else f"pip failed, {_last_line(fault)}"
             failed[f"{some[0].name}-{some[0].version}"] = why
     if failed:
         raise RemoteError(_missing(failed, len(missing)))
@@ -88,7 +88,7 @@ def _missing(failed: dict[str, str], asked: int) -> str:
     return f"{len(failed)} of {asked} {verb} missing: {'; '.join(parts)}: {mend}, and run it again"
 
 
-def _served(fault: str) -> str | None:
+def _refused_file(fault: str) -> str | None:
     """Return the name of the file that had other bytes, without where it came from."""
     found = re.search(r"([^/\s]+\.(?:whl|tar\.gz|zip))", fault.split("DO NOT MATCH", 1)[1])
     return found and found[1].split("#", 1)[0]
@@ -135,7 +135,7 @@ def _build(some: list[Pin], store: Store) -> list[File] | str:
         if done.returncode or len(made) != 1:
             raise BackendError(
                 f"{archive.name}: no wheel for every machine could be built of it "
-                f"({_last(done.stderr)}); it is built by the setuptools of locks/build.txt"
+                f"({_last_line(done.stderr)}); it is built by the setuptools of locks/build.txt"
             )
         return [store.keep_built(made[0], digest)]
 
@@ -148,7 +148,8 @@ def own_wheel(store: Store) -> File:
         made = [*folder.glob("qrobot-*.whl")]
         if done.returncode or len(made) != 1:
             raise BackendError(
-                f"qRobot's own wheel could not be built ({_last(done.stderr)}); see pyproject.toml"
+                f"qRobot's own wheel could not be built ({_last_line(done.stderr)}); "
+                "see pyproject.toml"
             )
         return store.put(made[0])
 
@@ -215,6 +216,6 @@ def _run(command: list[str], cwd: Path | None = None) -> subprocess.CompletedPro
     )  # fmt: skip
 
 
-def _last(text: str) -> str:
+def _last_line(text: str) -> str:
     lines = [line for line in text.splitlines() if line.strip()]
     return re.sub(r"\S*:/{2}\S*", "...", lines[-1].strip()) if lines else "it said nothing"

@@ -48,22 +48,22 @@ def main() -> None:
     command = [str(Path(sys.executable).parent / "ansible-playbook")]
     command += [word for source in sources for word in ("--inventory", source)]
     command += ["--limit", given.limit] if given.limit else []
-    code = ended([*command, *more, str(FOLDER / f"{given.playbook}.yml")])
+    code = run_to_end([*command, *more, str(FOLDER / f"{given.playbook}.yml")])
     if code:
         say(f"{given.playbook}: exit code {code}: {MEANINGS.get(code, 'see above')}")
     raise SystemExit(code)
 
 
-def ended(command: list[str]) -> int:
+def run_to_end(command: list[str]) -> int:
     """Run a command to its end, hand on what ends it, and return its exit code."""
     child: subprocess.Popen[bytes] | None = None
 
-    def hand_on(number: int) -> None:
+    def pass_on(number: int) -> None:
         # The terminal sends Ctrl-C to the child too.
         if child is not None and number != signal.SIGINT:
             child.send_signal(number)
 
-    with catch_signals(hand_on, "SIGINT", "SIGTERM", "SIGHUP"):
+    with catch_signals(pass_on, "SIGINT", "SIGTERM", "SIGHUP"):
         child = subprocess.Popen(command)
         code = child.wait()
     return code if code >= 0 else 128 - code

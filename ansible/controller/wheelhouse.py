@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import instructions
-from common import ROOT, alone, read_json, run, say, sha256, write_json
+from common import ROOT, lock_folder, read_json, run, say, sha256, write_json
 from fetch import fetch, line, own_wheel
 from packaging.utils import InvalidWheelFilename, parse_wheel_filename
 from store import File, Store, Target
@@ -42,9 +42,9 @@ def main() -> None:
     uv_pin = next((pin for pin in read_lock(options.uv_lock, target) if pin.name == "uv"), None)
     if uv_pin is None:
         raise InputError("it pins no uv", source=str(options.uv_lock), mend="run `make lock`")
-    with alone(folder, "wheelhouse"):
+    with lock_folder(folder, "wheelhouse"):
         store = Store(folder, target)
-        own = given(options.wheel, store) if options.wheel else own_wheel(store)
+        own = take_own_wheel(options.wheel, store) if options.wheel else own_wheel(store)
         *files, uv = collect([*wanted, uv_pin], store)
         document = describe(profile, target, store, [*files, own], own)
         document["uv"] = asdict(uv) | unpack_uv(store, uv, uv_pin.version)
@@ -108,7 +108,7 @@ def read_lock(path: Path, target: Target) -> list[Pin]:
     return found
 
 
-def given(path: Path, store: Store) -> File:
+def take_own_wheel(path: Path, store: Store) -> File:
     """Take qRobot's own wheel from a file."""
     try:
         name, _, _, tags = parse_wheel_filename(path.name)
@@ -122,7 +122,7 @@ def given(path: Path, store: Store) -> File:
             copy = Path(shutil.copyfile(path, folder / path.name))
         except OSError as error:
             raise InputError(f"not readable ({error.strerror})", source=str(path)) from None
-        unpacked(copy)
+        size_unpacked(copy)
         return store.put(copy)
 
 
@@ -160,7 +160,7 @@ def describe(
     for file in files:
         name, release, _, _ = parse_wheel_filename(file.name)
         lines.append(line(name, str(release), (f"sha256:{file.sha256}",)))
-    installed = sum(unpacked(store.files / file.name) for file in files)
+    installed = sum(size_unpacked(store.files / file.name) for file in files)
     return {
         "profile": profile,
         "python": target.python,
@@ -182,7 +182,7 @@ def unreviewed_on_a_pi(files: list[File], store: Store) -> list[str]:
     return instructions.unreviewed(found, instructions.reviews())
 
 
-def unpacked(path: Path) -> int:
+def size_unpacked(path: Path) -> int:
     """Return how many bytes a wheel's files have."""
     try:
         with zipfile.ZipFile(path) as wheel:

@@ -120,7 +120,7 @@ def backup(path):
     return path.with_name(path.name + ".before-qrobot")
 
 
-def own(words, path):
+def added_words(words, path):
     """Return the words that the first version of cmdline.txt did not have; none without a copy."""
     try:
         before = backup(path).read_bytes().decode("utf-8", errors="replace").split()
@@ -168,7 +168,7 @@ def of_cmdline(folder, words, present):
     text = read(path)
     if not text.strip():
         raise FaultError(f"{path} is empty: restore it from {path}.before-qrobot or the image")
-    new = cmdline_with(text, words if present else own(words, path), present)
+    new = cmdline_with(text, words if present else added_words(words, path), present)
     return None if new.split() == text.split() else (path, text, new)
 
 

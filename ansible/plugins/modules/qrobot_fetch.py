@@ -55,7 +55,7 @@ from ansible.module_utils.basic import AnsibleModule
 from ansible.module_utils.qrobot_owned import OwnedError, as_owner
 
 
-def packed(home, name, limit_mb):
+def pack(home, name, limit_mb):
     """Content of a file, compressed and as text; None when it is not there."""
     handle = home.file(name)
     if handle is None:
@@ -82,7 +82,7 @@ def main():
     given = module.params
     try:
         found = as_owner(
-            given["folder"], "", lambda home: packed(home, given["path"], given["limit_mb"])
+            given["folder"], "", lambda home: pack(home, given["path"], given["limit_mb"])
         )
     except OwnedError as error:
         module.fail_json(msg=str(error))

@@ -89,7 +89,7 @@ from ansible.module_utils.basic import AnsibleModule
 from ansible.module_utils.qrobot_owned import NotOwnedError, OwnedError, as_owner, split
 
 
-def have_folder(home, name, check):
+def ensure_folder(home, name, check):
     """Make a folder, and close it and those on its way; tell whether that changed anything."""
     changed = False
     for end in range(name.count("/") + 1):
@@ -100,12 +100,12 @@ def have_folder(home, name, check):
             if check:
                 break
             handle = home.folder(part, make=True)
-        changed |= close(handle, 0o700, check)
+        changed |= set_mode(handle, 0o700, check)
         os.close(handle)
     return changed
 
 
-def close(handle, mode, check):
+def set_mode(handle, mode, check):
     """Set the mode of what is open; tell whether it was another one."""
     if stat.S_IMODE(os.fstat(handle).st_mode) == mode:
         return False
@@ -114,10 +114,10 @@ def close(handle, mode, check):
     return True
 
 
-def have_file(home, name, content, check):
+def ensure_file(home, name, content, check):
     """Write a file that has another content or mode; tell whether it had."""
     data = content.encode()
-    if same(home, name, data):
+    if is_same(home, name, data):
         return False
     if check:
         return True
@@ -139,7 +139,7 @@ def have_file(home, name, content, check):
     return True
 
 
-def same(home, name, data):
+def is_same(home, name, data):
     """Tell whether a file is the owner's, closed to others, and has this content already."""
     if refuse_other(home, name) == "absent":
         return False
@@ -166,7 +166,7 @@ def refuse_other(home, name):
     return kind
 
 
-def have_not(home, name, check):
+def ensure_absent(home, name, check):
     """Remove a file or a link; tell whether one was there."""
     kind = home.kind(name)
     if kind == "absent":
@@ -183,7 +183,7 @@ def have_not(home, name, check):
     return True
 
 
-def have_closed(home, name, check):
+def ensure_closed(home, name, check):
     """Close a file to others; a link is not a file of ours, and what it leads to is not either."""
     try:
         handle = home.file(name)
@@ -192,21 +192,21 @@ def have_closed(home, name, check):
     if handle is None:
         return False
     try:
-        return os.fstat(handle).st_uid == os.geteuid() and close(handle, 0o600, check)
+        return os.fstat(handle).st_uid == os.geteuid() and set_mode(handle, 0o600, check)
     finally:
         os.close(handle)
 
 
-def act(home, given, check):
+def apply(home, given, check):
     """Do what is asked; the paths that changed."""
     for name in given["plain"]:
         refuse_other(home, name)
-    changed = [name for name in given["absent"] if have_not(home, name, check)]
-    changed += [name for name in given["folders"] if have_folder(home, name, check)]
+    changed = [name for name in given["absent"] if ensure_absent(home, name, check)]
+    changed += [name for name in given["folders"] if ensure_folder(home, name, check)]
     for entry in given["files"]:
-        if have_file(home, entry["path"], entry["content"], check):
+        if ensure_file(home, entry["path"], entry["content"], check):
             changed.append(entry["path"])
-    changed += [name for name in given["closed"] if have_closed(home, name, check)]
+    changed += [name for name in given["closed"] if ensure_closed(home, name, check)]
     return changed
 
 
@@ -234,7 +234,7 @@ def main():
     )
     given, check = module.params, module.check_mode
     try:
-        changed = as_owner(given["folder"], given["owner"], lambda home: act(home, given, check))
+        changed = as_owner(given["folder"], given["owner"], lambda home: apply(home, given, check))
     except NotOwnedError as error:
         if not check:
             module.fail_json(msg=str(error))

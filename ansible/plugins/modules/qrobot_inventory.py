@@ -71,7 +71,7 @@ BOOT = ("/boot/firmware", "/boot")
 OWN = re.compile(rb"(?:root|resume|cloud-init\.\S+|ds)=")
 
 
-def said(command, seconds):
+def output_of(command, seconds):
     """Return what a program prints, or None when it is absent, fails or takes too long."""
     try:
         done = subprocess.run(
@@ -89,7 +89,7 @@ def said(command, seconds):
     return done.stdout if done.returncode == 0 else None
 
 
-def text(path):
+def read_text(path):
     try:
         return path.read_bytes().decode(errors="replace").rstrip("\0\n")
     except OSError:
@@ -174,7 +174,7 @@ def reasons_to_reboot(system, kernel):
     found = []
     run = system / "run"
     if (run / "reboot-required").exists():
-        names = sorted(set(text(run / "reboot-required.pkgs").split()))
+        names = sorted(set(read_text(run / "reboot-required.pkgs").split()))
         found.append(f"asked for by {', '.join(names) or 'a package'}")
     newest = newest_kernel(kernel, system / "lib/modules")
     if newest != kernel:
@@ -186,7 +186,7 @@ def units(names):
     """Enablement and state of the units of the playbooks that are there."""
     show = ["systemctl", "show", "--property=Id,LoadState,UnitFileState,ActiveState", *names]
     found = {}
-    for block in (said(show, 20) or "").split("\n\n"):
+    for block in (output_of(show, 20) or "").split("\n\n"):
         unit = dict(line.split("=", 1) for line in block.splitlines() if "=" in line)
         if unit.get("LoadState") not in (None, "not-found"):
             state = {"enabled": unit.get("UnitFileState"), "active": unit.get("ActiveState")}
@@ -199,7 +199,7 @@ def upgradable(system, seconds):
     lists = [path.stat().st_mtime for path in (system / "var/lib/apt/lists").glob("*_Packages*")]
     if not lists or not seconds:
         return None
-    listed = said(["apt", "list", "--upgradable"], seconds)
+    listed = output_of(["apt", "list", "--upgradable"], seconds)
     if listed is None:
         return None
     lines = [line for line in listed.splitlines() if "[upgradable from" in line]
@@ -214,7 +214,7 @@ def firmware():
     """Day and commit of the firmware that the board started with; None where nothing tells."""
     if shutil.which("vcgencmd") is None:
         return None
-    lines = (said(["vcgencmd", "version"], 10) or "").splitlines()
+    lines = (output_of(["vcgencmd", "version"], 10) or "").splitlines()
     commit = re.search(r"^version (\w{8})", "\n".join(lines), re.MULTILINE)
     return f"{' '.join(lines[0].split())} {commit[1]}" if commit else None
 
@@ -233,7 +233,9 @@ def main():
     system, kernel = Path(module.params["system"]), platform.release()
     releases = Releases(module.params["root"], dry=True)
     os_release = dict(
-        line.split("=", 1) for line in text(system / "etc/os-release").splitlines() if "=" in line
+        line.split("=", 1)
+        for line in read_text(system / "etc/os-release").splitlines()
+        if "=" in line
     )
     try:
         release = release_in_use(releases)
@@ -249,7 +251,7 @@ def main():
             "packages": installed,
             "python": python or ".".join(platform.python_version_tuple()[:2]),
             "machine": platform.machine(),
-            "model": text(system / "proc/device-tree/model") or None,
+            "model": read_text(system / "proc/device-tree/model") or None,
             "codename": os_release.get("VERSION_CODENAME", "").strip('"'),
             "kernel": kernel,
             "firmware": firmware(),

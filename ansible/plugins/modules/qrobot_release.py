@@ -162,7 +162,7 @@ def verified(releases, name, check):
     return {"id": name, "damage": [], "changed": False}
 
 
-def act(releases, given, check):
+def apply(releases, given, check):
     """Do what the state asks; returns the part of the result that belongs to it."""
     state, name = given["state"], given["id"]
     if state == "present":
@@ -202,7 +202,7 @@ def outline(status):
     return {"current": status["current"], "releases": names}
 
 
-def foretold(before, result, state):
+def predict(before, result, state):
     """Outline after a run in check mode."""
     after = dict(before, releases=list(before["releases"]))
     if not result["changed"]:
@@ -259,7 +259,7 @@ def main():
     releases = Releases(given["root"], dry=check)
     before = outline(releases.status())
     try:
-        result = act(releases, given, check)
+        result = apply(releases, given, check)
         status = releases.status(
             verify=given["state"] == "status" and given["verify"] and not given["id"]
         )
@@ -267,7 +267,7 @@ def main():
         module.fail_json(msg=str(error))
     except OSError as error:
         module.fail_json(msg=f"{error.filename or given['root']}: {error.strerror}")
-    after = foretold(before, result, given["state"]) if check else outline(status)
+    after = predict(before, result, given["state"]) if check else outline(status)
     path = str(releases.folder / result["id"]) if result["id"] else None
     module.exit_json(**status, **result, path=path, diff={"before": before, "after": after})
 

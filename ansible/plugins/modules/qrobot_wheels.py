@@ -87,7 +87,7 @@ class WheelError(Exception):
     """A file cannot be taken; the text is one sentence."""
 
 
-def checked(files):
+def check(files):
     """List of files as given, each entry verified."""
     good = []
     for at, entry in enumerate(files):
@@ -111,7 +111,7 @@ def is_there(dest, entry):
         return hashlib.file_digest(file, "sha256").hexdigest() == entry["sha256"]
 
 
-def take(dest, source, entry):
+def store(dest, source, entry):
     """Write one file under another name, verify it, and rename it."""
     part = dest / f".{entry['name']}.part"
     digest, size = hashlib.sha256(), 0
@@ -141,7 +141,7 @@ def unpack(archive, dest, files):
             entry = wanted.pop(member.name, None)
             if entry is None or not member.isfile():
                 raise WheelError(f"the archive holds {member.name!r}, which was not announced")
-            take(dest, tar.extractfile(member), entry)
+            store(dest, tar.extractfile(member), entry)
     if wanted:
         raise WheelError(f"{sorted(wanted)[0]} is not in the archive: run it again")
     handle = os.open(dest, os.O_RDONLY | os.O_DIRECTORY)
@@ -156,7 +156,7 @@ def free(dest):
     return shutil.disk_usage(dest).free
 
 
-def mend(error):
+def advice(error):
     """Return what helps against an error of the system."""
     return "make room" if error.errno == errno.ENOSPC else "check the folder and its owner"
 
@@ -178,7 +178,7 @@ def main():
     given = module.params
     dest = Path(os.path.abspath(given["dest"]))
     try:
-        files = checked(given["files"])
+        files = check(given["files"])
         if given["state"] == "missing":
             missing = [entry for entry in files if not is_there(dest, entry)]
             module.exit_json(changed=False, missing=missing, free=free(dest))
@@ -192,7 +192,7 @@ def main():
     except tarfile.TarError as error:
         module.fail_json(msg=f"the archive did not arrive as it was sent ({error}): run it again")
     except OSError as error:
-        module.fail_json(msg=f"cannot write to {dest}: {error.strerror or error}: {mend(error)}")
+        module.fail_json(msg=f"cannot write to {dest}: {error.strerror or error}: {advice(error)}")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from typing import Any
 from .files import ReleaseError, write
 
 
-def complaint(output: str) -> str:
+def last_error(output: str) -> str:
     """Return what uv says went wrong, in one line."""
     found = re.findall(r"^\s*(?:error|cause):\s*(.+)$", output, re.MULTILINE)
     lines = [line.strip() for line in output.splitlines() if line.strip()]
@@ -84,7 +84,7 @@ def _run(command: list[Any], release: str, scratch: Path, held: tuple[int, ...])
     except OSError as error:
         raise ReleaseError(f"cannot run {command[0]}: {error.strerror}", 2) from None
     if done.returncode:
-        reason = complaint(done.stderr or done.stdout)
+        reason = last_error(done.stderr or done.stdout)
         full = "No space left" in reason
         mend = "make room" if full else "collect its wheels again"
         raise ReleaseError(f"the release {release} was not installed: {reason}: {mend}")
