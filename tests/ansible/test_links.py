@@ -230,7 +230,7 @@ def tree(folder: Path) -> dict[str, tuple[Any, ...]]:
 def run(folder: Path, steps: list[dict[str, Any]], hosts: dict[str, dict[str, Any]]) -> str:
     """Run tasks on hosts that are folders; what was said, secrets must not be in it."""
     defaults: dict[str, Any] = {}
-    for role in ("qrobot", "credentials", "jupyter", "stacks", "release"):
+    for role in ("qrobot", "credentials", "jupyter", "release"):
         defaults |= yaml.safe_load((ANSIBLE / f"roles/{role}/defaults/main.yml").read_text())
     for name in ("qrobot_home", "qrobot_reports", "qrobot_fetched"):
         defaults.pop(name)

@@ -232,11 +232,8 @@ def main():
     )
     system, kernel = Path(module.params["system"]), platform.release()
     releases = Releases(module.params["root"], dry=True)
-    os_release = dict(
-        line.split("=", 1)
-        for line in read_text(system / "etc/os-release").splitlines()
-        if "=" in line
-    )
+    lines = read_text(system / "etc/os-release").splitlines()
+    os_release = dict(line.split("=", 1) for line in lines if "=" in line)
     try:
         release = release_in_use(releases)
         installed, python = packages(releases.current) if release else ({}, None)
