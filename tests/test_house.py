@@ -22,8 +22,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "qrobot"
 
 HEAVY = {
-    "amazon", "braket", "dwave", "matplotlib", "numba", "ortools", "pandas", "pennylane", "pyvrp",
-    "qiskit", "scipy", "tensorflow",
+    "amazon", "braket", "dwave", "jinja2", "matplotlib", "numba", "ortools", "pandas", "pennylane",
+    "pyvrp", "qiskit", "scipy", "tensorflow",
 }  # fmt: skip
 
 
@@ -127,6 +127,9 @@ ONCE = {
     r"\bmetadata\.(requires|version)\(|\bfind_spec\(": "_extras.py",
     r"pip install 'qrobot\[\{": "errors.py",
     r"\bos\.(replace|rename|fsync)\(": "_files.py",
+    r"\.rjust\(": "_text.py",
+    r"\bjinja2\b": "kit.py",
+    r"\bcsv\.(DictWriter|writer)\(": "render.py",
 }
 """Mechanisms, and the one file of the package that has each."""
 
