@@ -13,6 +13,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from health.browser import Browser, browser, needs_chromium
 from pages.blocks import ROOT
 
 import qrobot
@@ -155,3 +156,26 @@ def test_the_versions_of_the_schemas_are_those_of_the_code() -> None:
     listed = [schema for row in rows for schema in SCHEMA.findall(row.split("|")[1])]
     assert len(used) >= 8
     assert sorted(listed) == sorted(used)
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with browser() as found:
+        yield found
+
+
+@needs_chromium
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize(
+    "page", ["", "formats", "api", "benchmarks", "glossary", "tutorial", "notebooks/check_neal"]
+)
+def test_a_page_fits_the_screen(
+    chromium: Browser, site: Path, page: str, width: int, dark: bool
+) -> None:
+    chromium.open(site / page / "index.html", width, dark=dark)
+    assert chromium.requests
+    assert all(address.startswith(("file:", "data:")) for address in chromium.requests)
+    assert chromium.ask("document.documentElement.scrollWidth") == width
+    shade = chromium.ask("getComputedStyle(document.body).backgroundColor.match(/\\d+/)[0]")
+    assert (int(shade) < 128) == dark
