@@ -19,12 +19,22 @@ from qrobot.errors import InputError
 if TYPE_CHECKING:
     from qrobot.backends.sampler import PickingSampler
 
-__all__ = ["BUILTIN", "GROUP", "available", "capabilities", "get", "names", "require"]
+__all__ = [
+    "BUILTIN",
+    "GROUP",
+    "available",
+    "capabilities",
+    "get",
+    "get_planner",
+    "names",
+    "require",
+]
 
 GROUP = "qrobot.backends"
 
 BUILTIN: dict[str, tuple[str, str, str]] = {
     # name: (module, class, module that must be importable)
+    "auto": ("qrobot.planning.auto", "AutoPlanner", "numpy"),
     "exact": ("qrobot.backends.classical.exact", "ExactPlanner", "numpy"),
     "pyvrp": ("qrobot.backends.classical.pyvrp", "PyVRPPlanner", "pyvrp"),
     "pyvrp-plain": ("qrobot.backends.classical.pyvrp", "PlainPyVRPPlanner", "pyvrp"),
@@ -54,8 +64,8 @@ def _plugins() -> dict[str, importlib.metadata.EntryPoint]:
 
 
 def names() -> list[str]:
-    """Return the names of all known backends, installed or not, preferred first."""
-    return [*BUILTIN, *(name for name in sorted(_plugins()) if name not in BUILTIN)]
+    """Return the names that ``auto`` stands for: all others, installed or not, preferred first."""
+    return [name for name in dict.fromkeys([*BUILTIN, *sorted(_plugins())]) if name != "auto"]
 
 
 def available(name: str) -> bool:
@@ -98,6 +108,13 @@ def get(name: str) -> Planner | PickingSampler:
     meant = near(str(name), every)
     mend = f"{meant} use one of: {', '.join(every)}".lstrip()
     raise InputError(f"{name!r} is not a backend", field="backend", mend=mend)
+
+
+def get_planner(name: str) -> Planner:
+    """Return a planner by name."""
+    backend = get(name)
+    assert isinstance(backend, Planner)
+    return backend
 
 
 def capabilities(name: str) -> Capabilities:

@@ -113,8 +113,7 @@ def _checked(backends: str, seeds: int, **limits: float | None) -> list[str]:
         raise InputError(f"{seeds} seeds are too few", field="--seeds", mend="give 1 or more")
     named = [name.strip() for name in backends.split(",") if name.strip()]
     for name in named:
-        if name != "auto":
-            get(name)
+        get(name)
     if not named:
         raise InputError("no backend is named", field="--backends", mend="name one, such as auto")
     for name, value in limits.items():

@@ -1,6 +1,6 @@
 """`solve`: choice of strategy, deadline, decode, repair, polish, bound, result."""
 
-from qrobot.planning.later import collect, estimate, submit
+from qrobot.planning.remote_jobs import collect, estimate, submit
 from qrobot.planning.result import Result, SamplerReport, Timing
 from qrobot.planning.run import Progress
 from qrobot.planning.solving import DEFAULT_DEADLINE, solve

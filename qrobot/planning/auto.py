@@ -12,15 +12,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from qrobot._extras import is_installed
-from qrobot.backends import Planner, Stop, available, get
+from qrobot.backends import Capabilities, Planner, Stop, available
 from qrobot.backends.classical.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
-from qrobot.planning.bounding import begin_bound, bound_from_below, share_of, time_to_search
+from qrobot.backends.registry import get_planner
+from qrobot.planning.bounding import begin_bound, share_of, time_to_search
 from qrobot.planning.crew import Crew, spare_cores
 from qrobot.planning.run import Run
+from qrobot.planning.strategy import Strategy
 from qrobot.problem import Instance
 
-__all__ = ["choose_search", "run_auto"]
+__all__ = ["AutoPlanner", "choose_search"]
 
 FIRST_SHARE, FIRST_SECONDS = 0.1, 0.5
 """Before a proof, the search gets a tenth of the time, at most half a second, or a fifth of
@@ -43,31 +45,30 @@ HELPED_SECONDS = 3.0
 def choose_search(instance: Instance) -> Planner:
     """Return the best search that is installed and keeps what must stay together."""
     pyvrp = available("pyvrp") and not instance.whole_orders
-    return _planner("pyvrp" if pyvrp else "batching")
+    return get_planner("pyvrp" if pyvrp else "batching")
 
 
-def _planner(name: str) -> Planner:
-    planner = get(name)
-    assert isinstance(planner, Planner)
-    return planner
+class AutoPlanner(Strategy):
+    """The best plan that the installed software and the deadline allow."""
 
+    name = "auto"
+    capabilities = Capabilities(kind="planner", proves=True)
 
-def run_auto(run: Run) -> None:
-    """Find the best plan for a run's instance within its stop."""
-    exact = ExactPlanner()
-    if exact.at_once(run.instance):
-        run.plan(exact, run.stop)
-    search = choose_search(run.instance)
-    few = len(run.instance.orders) <= MAX_ELEMENTS
-    if not run.finished and exact.fits(run.instance) and (few or _has_cp_sat()):
-        # A first plan tells the set partition which trips cannot be part of a better one.
-        run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
-        run.plan(exact, _proving(run.stop))
-    if not run.finished:
-        _begin(run)
-    if not run.finished and not run.stop():
-        _search_on(run, search)
-    bound_from_below(run)
+    def plan(self, run: Run) -> None:
+        """Prove what is small, search and prove what can be enumerated, search the rest."""
+        exact = ExactPlanner()
+        if exact.at_once(run.instance):
+            run.plan(exact, run.stop)
+        search = choose_search(run.instance)
+        few = len(run.instance.orders) <= MAX_ELEMENTS
+        if not run.finished and exact.fits(run.instance) and (few or _has_cp_sat()):
+            # A first plan tells the set partition which trips cannot be part of a better one.
+            run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
+            run.plan(exact, _proving(run.stop))
+        if not run.finished:
+            _begin(run)
+        if not run.finished and not run.stop():
+            _search_on(run, search)
 
 
 def _begin(run: Run) -> None:
@@ -88,7 +89,7 @@ def _search_on(run: Run, search: Planner) -> None:
         part = _Patient(run, stop, crew)
         run.plan(search, part)
         if math.isfinite(part.remaining) and part.max_work is None and not part():
-            run.plan(_planner("batching"), part)  # PyVRP gave up: too little time for it
+            run.plan(get_planner("batching"), part)  # PyVRP gave up: too little time for it
         run.out_of_time = part.remaining <= 0
     if run.routes is None and run.infeasible is None and not run.stop():
         run.begin("packing")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -11,11 +12,11 @@ import dimod
 import numpy as np
 
 from qrobot.backends import Stop
-from qrobot.backends.sampler import PickingSampler
+from qrobot.backends.sampler import PickingSampler, check_parameters
 from qrobot.errors import BackendError, InputError, QRobotError
 from qrobot.jobs import redact, timing_fields
 from qrobot.models import Penalties, PickingModel
-from qrobot.planning.arguments import MODEL_OPTIONS, check_options
+from qrobot.planning.arguments import ARGUMENTS, MODEL_OPTIONS, ROUNDS
 from qrobot.planning.run import Run
 from qrobot.problem import Instance
 from qrobot.problem.formats.native import to_text
@@ -34,7 +35,7 @@ AFTERWARDS = 10.0
 
 
 def split_options(
-    sampler: PickingSampler, options: dict[str, Any]
+    sampler: PickingSampler, options: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the options of the model and those of the sampler.
 
@@ -43,9 +44,11 @@ def split_options(
     InputError
         When neither takes an option, or not this value.
     """
-    check_options(sampler.name, sampler, options)
+    ROUNDS.check("rounds", options.get("rounds"))
     chosen = {name: options[name] for name in MODEL_OPTIONS if name in options}
-    sampling = {k: v for k, v in options.items() if k not in (*MODEL_OPTIONS, "rounds")}
+    own = (*MODEL_OPTIONS, "rounds")
+    sampling = {name: value for name, value in options.items() if name not in own}
+    check_parameters(sampler, sampling, also=(*ARGUMENTS, *own))
     return chosen, sampling
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from qrobot._arrays import Floats
 from qrobot.backends import Planner, Routes, Search, Stop
+from qrobot.backends.base import OnBest
 from qrobot.errors import BackendError, QRobotError
 from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
@@ -59,6 +60,8 @@ class Run:
         Of every random choice.
     listener
         Told about every new step and every better plan.
+    on_best
+        Told the routes and the cost of every better plan.
     """
 
     def __init__(
@@ -67,6 +70,7 @@ class Run:
         stop: Stop,
         seed: int,
         listener: Callable[[Progress], None] | None = None,
+        on_best: OnBest | None = None,
     ) -> None:
         self.instance = instance
         self.stop = stop
@@ -85,6 +89,7 @@ class Run:
         self.reads: tuple[Floats, Floats | None] | None = None
         self.notes: list[str] = list(instance.notes)
         self._listener = listener
+        self._on_best = on_best
         self._begun = time.perf_counter()
 
     @property
@@ -105,6 +110,8 @@ class Run:
         fewer = not better and length <= self.cost + slack and len(kept) < len(self.routes or [])
         if better or fewer:
             self.routes, self.cost = kept, length
+            if self._on_best is not None:
+                self._on_best(kept, length)
             self.tell()
 
     def raise_bound(self, bound: float) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import dimod
@@ -12,17 +14,20 @@ from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError
 from qrobot.jobs import json_data, redact_data
 from qrobot.models import PickingModel, build_model
+from qrobot.models.layout import MAX_VARIABLES
+from qrobot.planning.arguments import MODEL_OPTIONS
 from qrobot.planning.polish import random_routes, repair_and_polish
 from qrobot.planning.reads import split_options
 from qrobot.planning.result import SamplerReport
 from qrobot.planning.rounds import sample_in_rounds
 from qrobot.planning.run import Run
+from qrobot.planning.strategy import Strategy
 from qrobot.problem import Instance
 
-__all__ = ["build", "run_sampler", "use_reads"]
+__all__ = ["SamplerStrategy", "build", "use_reads"]
 
-MAX_VARIABLES = 20_000
-"""Larger models are refused: their couplings alone would fill a Pi's memory."""
+SHARED_OPTIONS = (*MODEL_OPTIONS, "num_reads", "seed")
+"""Options that mean the same to every sampler."""
 
 STARTS = 10
 """Reads that are repaired and polished, the best first."""
@@ -34,53 +39,79 @@ LONGEST = 200
 """Longer lists, such as a search's history, stay out of the report; the sample set has them."""
 
 
-def run_sampler(
-    run: Run, sampler: PickingSampler, *, control: bool, options: dict[str, Any]
-) -> None:
-    """Find a plan for a run's instance with a sampler, and report it honestly.
+class SamplerStrategy(Strategy):
+    """A sampler as a planner: model, reads in rounds, decode, repair, polish.
 
     Parameters
     ----------
-    run
-        The run; gets the best plan and the sampler's report.
     sampler
         Any dimod sampler of ours.
-    control
-        Whether to polish as many random starts too.
-    options
-        ``encoding``, ``slack`` and ``penalties`` go to the model, ``rounds`` is the most
-        rounds, the rest goes to the sampler.
-
-    Raises
-    ------
-    InputError
-        When an option is unknown or the model too large.
-    BackendError
-        When the sampler fails.
     """
-    instance = run.instance
-    if not instance.orders:
-        run.offer([])
-        run.proven = True
-        return
-    for name, flag in (("wait", "submit"), ("dry_run", "estimate")):
-        if name in options:
-            raise InputError(
-                f"{name} belongs to qrobot.planning.{flag}",
-                field=name,
-                mend=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
-            )
-    chosen, sampling = split_options(sampler, options)
-    run.begin(sampler.name)
-    with run.timed("build"):
-        model = build(instance, sampler, chosen)
-    model, samples, reads, rounds = sample_in_rounds(
-        run, sampler, model, chosen, sampling, options.get("rounds")
-    )
-    if not len(samples):
-        raise BackendError(f"backend {sampler.name} gave no reads")
-    run.work[sampler.name] = reads
-    use_reads(run, sampler.name, model, samples, reads=reads, rounds=rounds, control=control)
+
+    def __init__(self, sampler: PickingSampler) -> None:
+        self.sampler: PickingSampler = sampler
+        self.name = sampler.name
+        self.capabilities = replace(sampler.capabilities, kind="planner", control=True)
+        self._options: dict[str, Any] = {}
+        self._control = False
+
+    def take(
+        self, options: Mapping[str, Any], *, control: bool = False, max_cost: float | None = None
+    ) -> None:
+        """Take the options; a limit of the cost goes to a sampler that bills."""
+        super().take(options, control=control)
+        self._options, self._control = dict(options), control
+        if max_cost is not None and self.sampler.runs_remotely(**options):
+            self._options["max_cost"] = max_cost
+
+    def check_options(self, options: Mapping[str, Any]) -> None:
+        """Refuse what neither the model nor the sampler takes."""
+        split_options(self.sampler, options)
+
+    def known_options(self, options: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the options that mean the same to every sampler, where this one takes them."""
+        known = {*SHARED_OPTIONS} & {*MODEL_OPTIONS, *self.sampler.parameters}
+        return {key: value for key, value in options.items() if key in known}
+
+    def limits(self, stop: Stop) -> Stop:
+        """Wait for a remote sampler without limit: nobody knows how long its queue is."""
+        return stop if self.sampler.runs_remotely(**self._options) else super().limits(stop)
+
+    def plan(self, run: Run) -> None:
+        """Find a plan from reads, and report honestly what they are by themselves.
+
+        Raises
+        ------
+        InputError
+            When an option is unknown or the model too large.
+        BackendError
+            When the sampler fails.
+        """
+        instance, sampler, options = run.instance, self.sampler, self._options
+        if not instance.orders:
+            run.offer([])
+            run.proven = True
+            return
+        for name, flag in (("wait", "submit"), ("dry_run", "estimate")):
+            if name in options:
+                raise InputError(
+                    f"{name} belongs to qrobot.planning.{flag}",
+                    field=name,
+                    mend=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
+                )
+        chosen, sampling = split_options(sampler, options)
+        run.begin(sampler.name)
+        with run.timed("build"):
+            model = build(instance, sampler, chosen)
+        model, samples, reads, rounds = sample_in_rounds(
+            run, sampler, model, chosen, sampling, options.get("rounds")
+        )
+        if not len(samples):
+            raise BackendError(f"backend {sampler.name} gave no reads")
+        run.work[sampler.name] = reads
+        use_reads(
+            run, sampler.name, model, samples, reads=reads, rounds=rounds, control=self._control
+        )
 
 
 def build(instance: Instance, sampler: PickingSampler, chosen: dict[str, Any]) -> PickingModel:

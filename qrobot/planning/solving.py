@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
+import dimod
+
 from qrobot._files import StrPath
-from qrobot.backends import Planner, Stop, get
+from qrobot.backends import Stop, get
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.plan import Plan, check
-from qrobot.planning.arguments import check_arguments, check_options
-from qrobot.planning.auto import run_auto
-from qrobot.planning.bounding import begin_bound, bound_from_below, time_to_search
+from qrobot.planning.arguments import check_arguments
+from qrobot.planning.bounding import bound_from_below
 from qrobot.planning.fallback import run_with_fallback
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.interrupts import graceful_interrupts
 from qrobot.planning.result import Ending, Result, SamplerReport
 from qrobot.planning.run import TIE, Progress, Run
+from qrobot.planning.sampling import SamplerStrategy
+from qrobot.planning.strategy import DEFAULT_DEADLINE, PlannerStrategy, Strategy
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 from qrobot.problem.packing import what_is_enough
 
-__all__ = ["DEFAULT_DEADLINE", "result_of", "solve"]
-
-DEFAULT_DEADLINE = 10.0
-"""Seconds, when neither a deadline nor a limit of work is given."""
+__all__ = ["DEFAULT_DEADLINE", "result_of", "solve", "strategy_of"]
 
 
 def solve(
@@ -106,108 +106,66 @@ def solve(
     )
     instance = instance_of(instance)
     limits = Stop(deadline, max_work, parent=stop)
-    ask = _Question(instance, limits, int(seed), control, max_cost, on_progress)
+
+    def answer(name: str, strategy: Strategy) -> Result:
+        run = Run(instance, strategy.limits(limits), int(seed), on_progress)
+        if (reason := reason_infeasible(instance)) is not None:
+            raise InfeasibleError(reason)
+        with graceful_interrupts(run.stop):
+            strategy.plan(run)
+            bound_from_below(run)
+        return result_of(run, name)
+
+    def first() -> Result:
+        strategy = strategy_of(backend)
+        strategy.take(options, control=control, max_cost=max_cost)
+        return answer(backend, strategy)
+
     if fallback is None:
-        return ask.answer(backend, options)
-    _check_fallback(fallback)
-    found = run_with_fallback(
-        lambda: ask.answer(backend, options),
-        fallback,
-        lambda name: ask.for_fallback(name).answer(name, ask.shared(name, options)),
-        primary_name=backend,
-    )
+        return first()
+    second = _local(fallback)
+
+    def instead(name: str) -> Result:
+        known = second.known_options(options)
+        second.take(known, control=control and second.capabilities.control, max_cost=max_cost)
+        return answer(name, second)
+
+    found = run_with_fallback(first, fallback, instead, primary_name=backend)
     if found.note is None:
         return found.value
     notes = (*found.value.notes, found.note)
     return replace(found.value, backend=backend, answered_by=found.backend, notes=notes)
 
 
-@dataclass(frozen=True)
-class _Question:
-    """What is asked of a backend, and of the one that answers in its place."""
+def strategy_of(name: str) -> Strategy:
+    """Return the way to run a backend by name.
 
-    instance: Instance
-    stop: Stop
-    seed: int
-    control: bool
-    max_cost: float | None
-    on_progress: Callable[[Progress], None] | None
-
-    def answer(self, backend: str, options: dict[str, Any]) -> Result:
-        """Return the plan of one backend."""
-        chosen = None if backend == "auto" else get(backend)
-        check_options(backend, chosen, options)
-        if self.control and not _has_control(chosen):
-            raise InputError(
-                f"backend {backend} has no control",
-                field="control",
-                mend="leave it out, or choose a sampler such as neal",
-            )
-        run = Run(self.instance, self._limits(chosen, options), self.seed, self.on_progress)
-        if (reason := reason_infeasible(self.instance)) is not None:
-            raise InfeasibleError(reason)
-        with graceful_interrupts(run.stop):
-            if chosen is None:
-                run_auto(run)
-            elif isinstance(chosen, Planner):
-                begin_bound(run)
-                search = time_to_search(run)
-                run.plan(chosen, search)
-                run.out_of_time = search.remaining <= 0
-                bound_from_below(run)
-            else:
-                from qrobot.planning.sampling import run_sampler
-
-                if self.max_cost is not None and chosen.runs_remotely(**options):
-                    options = options | {"max_cost": self.max_cost}
-                run_sampler(run, chosen, control=self.control, options=options)
-                bound_from_below(run)
-        return result_of(run, backend)
-
-    def _limits(self, chosen: Any, options: dict[str, Any]) -> Stop:
-        stop = self.stop
-        if stop.seconds is not None or stop.max_work is not None:
-            return stop
-        remote = not isinstance(chosen, Planner) and chosen is not None
-        if remote and chosen.runs_remotely(**options):
-            return stop  # nobody knows how long its queue is
-        return Stop(DEFAULT_DEADLINE, parent=stop)
-
-    def for_fallback(self, name: str) -> _Question:
-        """Return what is asked of a fallback, which may have no control."""
-        chosen = None if name == "auto" else get(name)
-        return self if _has_control(chosen) else replace(self, control=False)
-
-    def shared(self, name: str, options: dict[str, Any]) -> dict[str, Any]:
-        """Return the options that a fallback understands too."""
-        chosen = None if name == "auto" else get(name)
-        if chosen is None or isinstance(chosen, Planner):
-            return {}
-        known = {*SHARED_OPTIONS} & {"encoding", "slack", "penalties", *chosen.parameters}
-        return {key: value for key, value in options.items() if key in known}
+    Raises
+    ------
+    InputError
+        When no backend has that name.
+    MissingExtraError
+        When its software is not installed.
+    """
+    backend = get(name)
+    if isinstance(backend, Strategy):
+        return backend
+    return (
+        SamplerStrategy(backend) if isinstance(backend, dimod.Sampler) else PlannerStrategy(backend)
+    )
 
 
-def _has_control(chosen: Any) -> bool:
-    """Whether a backend's reads can be told beside as many random ones."""
-    if isinstance(chosen, Planner):
-        return chosen.capabilities.control
-    return chosen is not None
-
-
-SHARED_OPTIONS = ("encoding", "slack", "penalties", "num_reads", "seed")
-"""Options that mean the same to every sampler."""
-
-
-def _check_fallback(name: str) -> None:
-    """Refuse a fallback that may fail like the backend it stands for."""
+def _local(name: str) -> Strategy:
+    """Return a fallback; refuse one that may fail like the backend it stands for."""
     try:
-        chosen = None if name == "auto" else get(name)
+        strategy = strategy_of(name)
     except InputError as error:
         raise InputError(error.problem, field="fallback", mend=error.mend) from None
-    if chosen is not None and not chosen.capabilities.local:
+    if not strategy.capabilities.local:
         raise InputError(
             f"backend {name} is remote itself", field="fallback", mend="name a local one, as auto"
         )
+    return strategy
 
 
 def result_of(run: Run, backend: str) -> Result:

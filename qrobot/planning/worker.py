@@ -13,7 +13,8 @@ from collections.abc import Sequence
 
 from qrobot._json import json_text
 from qrobot._processes import end_with_parent
-from qrobot.backends import Planner, Stop, get
+from qrobot.backends import Stop
+from qrobot.backends.registry import get_planner
 
 __all__ = ["main"]
 
@@ -36,9 +37,7 @@ def main() -> None:
         sys.stdout.write(json_text([list(map(int, route)) for route in routes]) + "\n")
         sys.stdout.flush()
 
-    planner = get(backend)
-    assert isinstance(planner, Planner)
-    planner.search(instance, stop=stop, seed=seed, on_best=tell)
+    get_planner(backend).search(instance, stop=stop, seed=seed, on_best=tell)
 
 
 if __name__ == "__main__":

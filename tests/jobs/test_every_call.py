@@ -20,11 +20,11 @@ WRAPPERS = {"with_retries", "_call"}
 SERVICE_CALLS = {"poll", "submit", "cancel", "find", "fetch", "estimate", "make_child"}
 UNWRAPPED = {
     # The sampler runs on this machine there.
-    ("planning/later.py", "estimate"),
+    ("planning/remote_jobs.py", "estimate"),
     # A function that is given to the wrapper by name.
     ("jobs/driver.py", "submit"),
     # The door's own functions of these names, which wrap what they call.
-    ("planning/later.py", "fetch"),
+    ("planning/remote_jobs.py", "fetch"),
     ("cli/jobs.py", "cancel"),
     ("cli/jobs.py", "fetch"),
 }

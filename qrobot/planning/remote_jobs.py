@@ -5,21 +5,21 @@ from __future__ import annotations
 from typing import Any
 
 from qrobot._files import StrPath
-from qrobot.backends import Planner, Stop, get
+from qrobot.backends import Stop, get
 from qrobot.backends.jobs import fetch
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.jobs import Estimate, JobStore, with_retries
 from qrobot.jobs.cost import FREE
 from qrobot.models import build_model
-from qrobot.planning.arguments import check_arguments, check_options
+from qrobot.planning.arguments import check_arguments
 from qrobot.planning.bounding import bound_from_below
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.reads import parameters_of, split_options, take_reads
 from qrobot.planning.result import Result
 from qrobot.planning.run import Run
 from qrobot.planning.sampling import build, use_reads
-from qrobot.planning.solving import DEFAULT_DEADLINE, result_of
+from qrobot.planning.solving import DEFAULT_DEADLINE, result_of, strategy_of
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 from qrobot.problem.formats.native import parse_native
@@ -49,13 +49,11 @@ def estimate(
     """
     check_arguments(backend=backend, seed=seed, max_work=max_work)
     instance = instance_of(instance)
-    sampler = None if backend == "auto" else get(backend)
-    if sampler is None or isinstance(sampler, Planner):
-        check_options(backend, sampler, options)
+    strategy = strategy_of(backend)
+    strategy.check_options(options)
+    if (sampler := strategy.sampler) is None or not instance.orders:
         return FREE
     chosen, sampling = split_options(sampler, options)
-    if not instance.orders:
-        return FREE
     model = build(instance, sampler, chosen)
     asked = parameters_of(sampler, model, sampling, Stop(max_work=max_work), seed)
     life = {"interrupt_function", "context", "max_cost"}
@@ -150,8 +148,8 @@ def collect(job: str, store: JobStore) -> Result:
 
 
 def _remote(backend: str, options: dict[str, Any]) -> PickingSampler:
-    sampler = None if backend == "auto" else get(backend)
-    if sampler is None or isinstance(sampler, Planner) or not sampler.runs_remotely(**options):
+    sampler = strategy_of(backend).sampler
+    if sampler is None or not sampler.runs_remotely(**options):
         raise InputError(
             f"backend {backend} runs on this machine: there is no job to hand over",
             field="backend",
