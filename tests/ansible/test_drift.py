@@ -222,6 +222,7 @@ def test_the_page_stands_by_itself_and_escapes(drift: Program) -> None:
     )
     assert not re.findall(r"""(?:src|href)=["'](?!data:)|https?:|url\(|@import""", page)
     assert "&lt;b&gt;a" in page
+    assert re.findall(r'class="badge (\w+)"', page) == ["same", "unreachable", "drift"]
     assert "prefers-color-scheme: dark" in page
     assert 'name="viewport"' in page
 

@@ -15,7 +15,7 @@ from stacks.stacks import needs
 from qrobot.backends import registry
 from qrobot.backends.annealing.neal import NealSampler
 from qrobot.backends.gate import memory
-from qrobot.errors import InputError
+from qrobot.errors import InputError, MissingExtraError
 from qrobot.models import build_model
 from qrobot.study.reproduce import Settings, reproduce
 from qrobot.study.reproduce.methods import METHODS, methods_for
@@ -139,6 +139,21 @@ def test_an_absent_sdk_is_an_empty_cell_with_the_command(
         assert line["seconds"] is line["share"] is line["best"] is None
         assert f"- `{sdk}-vqe` at n = 2: {line['reason']}." in (tmp_path / "table2.md").read_text()
     assert {x["method"] for x in done(report)} == {"neal", "tabu", "descent", "penalty"}
+
+
+def test_a_figure_that_cannot_be_drawn_is_noted_beside_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def absent(*_: Any) -> None:
+        raise MissingExtraError("drawing pictures", "plot")
+
+    monkeypatch.setattr("qrobot.study.reproduce.runner.draw_figure", absent)
+    settings = Settings(reads=20, rows="2", quick=True)
+    report = reproduce(["table1", "figure4"], tmp_path, settings)
+    (note,) = [note for note in report["notes"] if note.startswith("figure4 is left out")]
+    assert note in json.loads((tmp_path / "reproduce.json").read_text())["notes"]
+    with pytest.raises(MissingExtraError):
+        reproduce(["figure4"], tmp_path, settings)
 
 
 def test_a_failing_backend_is_a_line_without_its_words(

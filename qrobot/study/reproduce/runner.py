@@ -296,5 +296,7 @@ _MATTERS = ("reads", "seed")
 
 
 def _save(report: dict[str, Any], folder: Path, *, plots: bool = False) -> None:
-    report["notes"] = list(dict.fromkeys([*report["notes"], *write_tables(report, folder, plots)]))
+    report["notes"][:] = list(
+        dict.fromkeys([*report["notes"], *write_tables(report, folder, plots)])
+    )
     write_text_atomic(folder / "reproduce.json", json_text(report, indent=1) + "\n")
