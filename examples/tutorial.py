@@ -64,10 +64,10 @@ for item in instance.items:
 print(instance.distances.round(1))
 
 # %% [markdown]
-# ## 2. The answer that we shall hold everything against
+# ## 2. The answer to compare with
 #
 # Four items have 4! = 24 sequences: the exact planner proves the best. Whatever a quantum method
-# finds later has to be judged by this.
+# finds later is compared with this.
 
 # %%
 exact = qrobot.solve(instance, backend="exact")
@@ -78,7 +78,8 @@ assert exact.is_optimal
 # ## 3. The QUBO
 #
 # A binary variable says "item i is collected at step t". The energy of an assignment is its
-# distance where it is a tour; what is no tour pays penalties. Two encodings of the same question:
+# distance where it is a tour; what is not a tour pays penalties. Two encodings of the same
+# question:
 #
 # - `reduced` is the paper's (its tables 2 and 3): the depot is a place to be at, too, and slack
 #   bits hold the capacity. Its qubit counts are the paper's.
@@ -213,5 +214,6 @@ show(folder / "plan.png")
 #
 # - The models are right: energy is distance, on every stack.
 # - The annealer and VQE find by themselves what random reads hardly ever find.
-# - It is no speed-up. The exact planner took milliseconds, and simulating a quantum computer costs
-#   twice as much with every qubit. `qrobot reproduce all` puts the paper's tables beside ours.
+# - It is not a speed-up. The exact planner took milliseconds, and simulating a quantum computer
+#   costs twice as much with every qubit. `qrobot reproduce all` puts the paper's tables beside
+#   ours.

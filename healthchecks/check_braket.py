@@ -4,7 +4,7 @@
 # Braket sends circuits to machines of several makers, and to a simulator on this computer. The
 # check uses the local one, `braket_sv`, which keeps the whole state vector: $2^n$ complex numbers
 # for $n$ qubits. Much is loaded and compiled when it is first used, so a first run is slower than a
-# second. That is no fault.
+# second. That is not a fault.
 
 # %%
 import time

@@ -56,9 +56,9 @@ table(["size of the part", "flipped", "energy after one turn"], rows)
 # ## The check
 #
 # A whole workflow: parts of six variables by tabu, beside tabu on everything, the better one kept,
-# three times. Its best energy, told and worked out anew, against all 256 states. Tabu on everything
-# solves this small model alone and would hide parts that do nothing, so the parts must reach the
-# ground state without it too, in twenty turns.
+# three times. Its best energy, as reported and computed again, against all 256 states. Tabu on
+# everything solves this small model alone and would hide parts that do nothing, so the parts must
+# reach the ground state without it too, in twenty turns.
 
 # %%
 verdict(CHECK, ["energy told", "energy of the state", "energy by parts alone"])

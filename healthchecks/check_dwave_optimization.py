@@ -1,7 +1,7 @@
 # %% [markdown]
 # # dwave-optimization: decisions that are not bits
 #
-# A round trip in bits needs $n^2$ of them and penalties against everything that is no trip.
+# A round trip in bits needs $n^2$ of them and penalties against everything that is not a trip.
 # D-Wave's newer interface lets a decision be a list, a set or an integer. A list of stops *is* a
 # sequence: nothing has to be forbidden. The model is a graph of array operations; the solver behind
 # it runs in D-Wave's cloud, the model and its states are computed here.

@@ -38,7 +38,7 @@ print(model.num_interactions, "couplings became", on_chip.num_interactions, "wit
 # ## And back
 #
 # A read gives a value to each qubit. Where a chain disagrees with itself the majority is taken and
-# the share of broken chains is told:
+# the share of broken chains is reported:
 
 # %%
 table(

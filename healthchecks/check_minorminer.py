@@ -22,7 +22,7 @@ table(["variable", "its chain of qubits"], [(k, str(chain)) for k, chain in chai
 # %% [markdown]
 # The complete graph of five variables has $5 \cdot 4 / 2 = 10$ couplings. Our toy machine is a
 # lattice of 16 qubits with both diagonals. It crosses itself, otherwise five would be impossible:
-# $K_5$ is no minor of any planar graph (Wagner 1937).
+# $K_5$ is not a minor of any planar graph (Wagner 1937).
 
 # %%
 

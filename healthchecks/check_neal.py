@@ -1,7 +1,7 @@
 # %% [markdown]
 # # neal: simulated annealing
 #
-# A hot metal that cools slowly finds an arrangement of low energy. neal plays this in C++: it
+# A hot metal that cools slowly finds an arrangement of low energy. neal simulates this in C++: it
 # flips one spin after the other and accepts a flip that costs $\Delta E$ with the probability
 # $\min(1, e^{-\beta \Delta E})$, while $\beta$ (one over the temperature) rises. It needs no
 # quantum hardware, takes the same models, and is qRobot's sampler of first choice on a robot.
@@ -18,7 +18,7 @@ model = dimod.BinaryQuadraticModel(dict(enumerate(known.FIELDS)), known.COUPLING
 annealer = neal.SimulatedAnnealingSampler()
 
 # %% [markdown]
-# ## Patience pays
+# ## More sweeps, better reads
 #
 # A sweep offers every spin one flip. With more sweeps the cooling is slower, and more of the 500
 # reads end in the ground state. Eight spins are easy; the pattern is the same for hard models.
@@ -36,8 +36,8 @@ draw(lambda axes: axes.semilogx([r[0] for r in rows], [r[1] for r in rows], mark
 # ## The check
 #
 # A sampler may be unlucky, so the check takes 100 reads of a model whose ground state is known by
-# trying all 256 states. Two numbers: the energy that neal tells, and the energy of the state that
-# it gave, worked out anew. A sampler that finds the state and tells a wrong energy is wrong too.
+# trying all 256 states. Two numbers: the energy that neal reports, and the energy of the state that
+# it returned, computed again. A sampler that finds the state and reports a wrong energy is wrong.
 
 # %%
 verdict(CHECK, ["energy told", "energy of the state"])

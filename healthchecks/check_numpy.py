@@ -4,7 +4,7 @@
 # numpy holds vectors and matrices and hands the hard work to compiled libraries: OpenBLAS for
 # linear algebra, pocketfft for Fourier transforms. Every quantum stack here is built on it: a
 # state of $n$ qubits is a vector of $2^n$ complex numbers. When a wheel was compiled for a newer
-# processor than the robot's, this is where it dies first.
+# processor than the robot's, this is where it crashes first.
 
 # %%
 import numpy as np

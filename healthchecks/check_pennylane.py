@@ -53,7 +53,7 @@ print("ground state of these four spins:", known.energies(known.all_spins(known.
 # ## The check
 #
 # At fixed angles, the probabilities of all 16 states and the mean energy, against matrices in plain
-# numpy. Angles were chosen that are no multiple of a symmetry, so that a wrong sign, a factor of
+# numpy. Angles were chosen that are not a multiple of a symmetry, so that a wrong sign, a factor of
 # two or a swapped qubit shows.
 
 # %%

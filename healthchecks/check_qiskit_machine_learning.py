@@ -55,4 +55,4 @@ verdict(CHECK, [*pairs, *(f"by shots, point {a}" for a in range(len(POINTS)))])
 #
 # 1. Take `zz_feature_map`: the points now meet in a phase of their own. Is the kernel still a
 #    product?
-# 2. How many shots does an overlap of 0.01 need before it can be told from zero?
+# 2. How many shots does an overlap of 0.01 need before it can be distinguished from zero?

@@ -52,7 +52,7 @@ print("energies:", sorted(found.record.energy.tolist()), "lowest of all:", known
 # %% [markdown]
 # ## The check
 #
-# The lowest energy that was told, and the energy of its state worked out anew, against the least
+# The lowest energy that was reported, and the energy of its state computed again, against the least
 # of all 256 states in plain numpy.
 
 # %%

@@ -66,7 +66,7 @@ def _checked(line: str, source: str) -> str:
         fault = "a line that is not a public key"
     if fault:
         raise InputError(f"holds {fault}", source=source, field="--key", mend=_MAKE)
-    # The comment is no part of the key; what a first boot does with other characters is unknown.
+    # The comment is not part of the key; what a first boot does with other characters is unknown.
     comment = re.sub(r"[^A-Za-z0-9._@+-]+", "_", comment.strip())[:80]
     return f"{kind} {body} {comment}".strip()
 

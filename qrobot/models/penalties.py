@@ -57,7 +57,7 @@ class Penalties:
     shift: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse weights that are no numbers or reward violations."""
+        """Refuse weights that are not numbers or reward violations."""
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, bool) or not isinstance(value, int | float | np.number):
