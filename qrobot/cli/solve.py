@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -123,19 +124,13 @@ def command(
 
     if fallback is None:
         require(backend)  # before numpy and dimod: what is absent is told at once
-    from qrobot._files import check_outputs
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
     from qrobot.errors import InfeasibleError
     from qrobot.planning import solve
     from qrobot.problem.formats import read
 
-    check_outputs([*output, *picture], [instance, *([layout] if layout else [])])
-    if picture:
-        from qrobot.report import check_picture_path
-
-        for path in picture:
-            check_picture_path(path)
+    _check_files(output, picture, [instance, *([layout] if layout else [])])
     options = settings_of(
         {
             "encoding": ("--encoding", encoding),
@@ -222,6 +217,18 @@ def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) ->
     for note in notes:  # with --quiet too: whoever reads the picture would miss it
         say(f"qrobot: note: {note}", err=True)
     return troubles[0] if troubles else None
+
+
+def _check_files(output: Sequence[str], picture: Sequence[str], inputs: Sequence[str]) -> None:
+    """Refuse files that could not be written, before the search."""
+    from qrobot._files import check_outputs
+
+    check_outputs([*output, *picture], inputs)
+    if picture:
+        from qrobot.report import check_picture_path
+
+        for path in picture:
+            check_picture_path(path)
 
 
 def _refuse(flag: str, options: dict[str, Any]) -> None:

@@ -156,99 +156,98 @@ class Sapi:
         return out
 
 
-def handler(sapi):
-    class Handler(BaseHTTPRequestHandler):
-        protocol_version = "HTTP/1.1"
+class Handler(BaseHTTPRequestHandler):
+    sapi: Sapi
 
-        def log_message(self, *_):
-            pass
+    protocol_version = "HTTP/1.1"
 
-        def reply(self, data, code=200):
-            kind = self.headers.get("Accept", "application/json").split(",")[0].split(";")[0]
-            body = json.dumps(data).encode()
-            self.send_response(code)
-            version = self.headers.get("Accept", "")
-            self.send_header(
-                "Content-Type", f"{kind}; version=3.0.0" if "vnd.dwave" in version else kind
-            )
-            self.send_header("Content-Length", str(len(body)))
+    def log_message(self, *_):
+        pass
+
+    def reply(self, data, code=200):
+        kind = self.headers.get("Accept", "application/json").split(",")[0].split(";")[0]
+        body = json.dumps(data).encode()
+        self.send_response(code)
+        version = self.headers.get("Accept", "")
+        self.send_header(
+            "Content-Type", f"{kind}; version=3.0.0" if "vnd.dwave" in version else kind
+        )
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def body(self):
+        data = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+        return zlib.decompress(data) if self.headers.get("Content-Encoding") else data
+
+    def gate(self):
+        self.sapi.tokens.append(self.headers.get("X-Auth-Token"))
+        if self.sapi.refuse:
+            token = self.headers.get("X-Auth-Token")
+            self.body()
+            self.reply({"error_code": 401, "error_msg": f"Invalid token={token}"}, 401)
+        return not self.sapi.refuse
+
+    def do_GET(self):
+        if not self.gate():
+            return None
+        path, _, query = self.path.partition("?")
+        parts = [part for part in path.split("/") if part]
+        if parts[0] == "solvers":
+            named = [s for s in self.sapi.solvers if s["identity"]["name"] in self.path]
+            return self.reply(named[0] if named else self.sapi.solvers)
+        if parts[0] == "answers":
+            data = self.sapi.answers[parts[1]]
+            self.send_response(200)
+            self.send_header("Content-Length", str(len(data)))
             self.end_headers()
-            self.wfile.write(body)
+            return self.wfile.write(data)
+        if parts[-1] == "status":
+            data = self.sapi.uploads[parts[2]]
+            known = [{"part_number": 1, "checksum": hashlib.md5(data).hexdigest()}]
+            state = {"status": "UPLOAD_IN_PROGRESS", "parts": known if data else []}
+            return self.reply(state)
+        if len(parts) > 1:
+            return self.reply(self.sapi.message(parts[1], with_answer=True))
+        asked = dict(pair.split("=", 1) for pair in query.split("&") if pair)
+        if "label" in asked:
+            found = [n for n, j in self.sapi.problems.items() if j.get("label") == asked["label"]]
+        else:
+            found = asked["id"].replace("%2C", ",").split(",")
+        return self.reply([self.sapi.message(number) for number in found])
 
-        def body(self):
-            data = self.rfile.read(int(self.headers.get("Content-Length", 0)))
-            return zlib.decompress(data) if self.headers.get("Content-Encoding") else data
-
-        def gate(self):
-            sapi.tokens.append(self.headers.get("X-Auth-Token"))
-            if sapi.refuse:
-                token = self.headers.get("X-Auth-Token")
-                self.body()
-                self.reply({"error_code": 401, "error_msg": f"Invalid token={token}"}, 401)
-            return not sapi.refuse
-
-        def do_GET(self):
-            if not self.gate():
+    def do_POST(self):
+        if not self.gate():
+            return None
+        parts = [part for part in self.path.split("/") if part]
+        body = self.body()
+        if parts[0] == "problems":
+            answer = self.sapi.post(json.loads(body))
+            if self.sapi.deaf:  # taken, but the answer is lost
+                self.close_connection = True
+                self.connection.close()
                 return None
-            path, _, query = self.path.partition("?")
-            parts = [part for part in path.split("/") if part]
-            if parts[0] == "solvers":
-                named = [s for s in sapi.solvers if s["identity"]["name"] in self.path]
-                return self.reply(named[0] if named else sapi.solvers)
-            if parts[0] == "answers":
-                data = sapi.answers[parts[1]]
-                self.send_response(200)
-                self.send_header("Content-Length", str(len(data)))
-                self.end_headers()
-                return self.wfile.write(data)
-            if parts[-1] == "status":
-                data = sapi.uploads[parts[2]]
-                known = [{"part_number": 1, "checksum": hashlib.md5(data).hexdigest()}]
-                state = {"status": "UPLOAD_IN_PROGRESS", "parts": known if data else []}
-                return self.reply(state)
-            if len(parts) > 1:
-                return self.reply(sapi.message(parts[1], with_answer=True))
-            asked = dict(pair.split("=", 1) for pair in query.split("&") if pair)
-            if "label" in asked:
-                found = [n for n, j in sapi.problems.items() if j.get("label") == asked["label"]]
-            else:
-                found = asked["id"].replace("%2C", ",").split(",")
-            return self.reply([sapi.message(number) for number in found])
+            return self.reply(answer)
+        if parts[-1] == "multipart":
+            number = str(uuid4())
+            self.sapi.uploads[number] = b""
+            return self.reply({"id": number})
+        return self.reply({})
 
-        def do_POST(self):
-            if not self.gate():
-                return None
+    def do_PUT(self):
+        if self.gate():
             parts = [part for part in self.path.split("/") if part]
-            body = self.body()
-            if parts[0] == "problems":
-                answer = sapi.post(json.loads(body))
-                if sapi.deaf:  # taken, but the answer is lost
-                    self.close_connection = True
-                    self.connection.close()
-                    return None
-                return self.reply(answer)
-            if parts[-1] == "multipart":
-                number = str(uuid4())
-                sapi.uploads[number] = b""
-                return self.reply({"id": number})
-            return self.reply({})
+            self.sapi.uploads[parts[2]] += self.body()
+            self.reply({})
 
-        def do_PUT(self):
-            if self.gate():
-                parts = [part for part in self.path.split("/") if part]
-                sapi.uploads[parts[2]] += self.body()
-                self.reply({})
-
-        def do_DELETE(self):
-            if self.gate():
-                numbers = json.loads(self.body() or b"[]") or [self.path.split("/")[-1]]
-                for number in numbers:
-                    sapi.problems[number]["status"] = "CANCELLED"
-                one = "problems+json" not in self.headers.get("Accept", "")
-                out = [sapi.message(number) for number in numbers]
-                self.reply(out[0] if one else out)
-
-    return Handler
+    def do_DELETE(self):
+        if self.gate():
+            numbers = json.loads(self.body() or b"[]") or [self.path.split("/")[-1]]
+            for number in numbers:
+                self.sapi.problems[number]["status"] = "CANCELLED"
+            one = "problems+json" not in self.headers.get("Accept", "")
+            out = [self.sapi.message(number) for number in numbers]
+            self.reply(out[0] if one else out)
 
 
 @contextmanager
@@ -262,7 +261,7 @@ def serving():
             if not isinstance(sys.exc_info()[1], ConnectionError):  # a client may be killed
                 sapi.errors.append(traceback.format_exc())
 
-    server = Server(("127.0.0.1", 0), handler(sapi))
+    server = Server(("127.0.0.1", 0), type("OneHandler", (Handler,), {"sapi": sapi}))
     thread = threading.Thread(
         target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True
     )

@@ -93,32 +93,53 @@ def potentials(instance: Instance, several: bool) -> tuple[list[float], list[flo
     return u, v
 
 
+class Reading:
+    """A sample as the encoding means it."""
+
+    def __init__(self, instance: Instance, encoding: str, sample: dict[str, int]) -> None:
+        self.instance, self.encoding, self.sample = instance, encoding, sample
+        self.fleet = Vehicles(instance, encoding)
+        self.robots = range(1, len(self.fleet.rooms) + 1)
+        self.items = range(1, instance.size + 1)
+        self.first = 0 if encoding == "full" else 1
+
+    def last(self, p: int) -> int:
+        n = self.instance.size
+        return {"full": n + 1, "reduced": n}.get(self.encoding, self.fleet.most[p - 1])
+
+    def x(self, t: int, i: int, p: int) -> int:
+        if self.encoding != "full" and t in (0, self.last(p) + 1):
+            return int(i == 0)
+        return self.sample.get(f"x[{t},{i},{p}]", 0)
+
+    def carried(self, i: int, p: int) -> int:
+        return sum(self.x(t, i, p) for t in range(self.first, self.last(p) + 1))
+
+
 def energy(
     instance: Instance, encoding: str, kind: str, weight: Penalties, sample: dict[str, int]
 ) -> float:
     """The energy of a sample of a model, summed term by term."""
-    step, visit = weight.step, weight.visit
-    capacity, same = weight.capacity, weight.same_robot
-    detour, shift = weight.detour, weight.shift
-    n = instance.size
-    d = instance.distances.tolist()
-    w = [0, *(int(x) for x in instance.weights)]
-    fleet = Vehicles(instance, encoding)
-    robots = range(1, len(fleet.rooms) + 1)
-    u, v = potentials(instance, len(fleet.rooms) > 1)
+    read = Reading(instance, encoding, sample)
+    total = energy_of_ways(read, weight)
+    for i in read.items:
+        total += weight.visit * (sum(read.carried(i, p) for p in read.robots) - 1) ** 2
+    total += weight.capacity * excess(read, kind)
+    for nodes in instance.order_nodes:
+        for i, j in itertools.combinations(nodes, 2):
+            for p, q in itertools.permutations(read.robots, 2):
+                total += weight.same_robot * read.carried(i, p) * read.carried(j, q)
+    return total
+
+
+def energy_of_ways(read: Reading, weight: Penalties) -> float:
+    """The ways, their detours and the steps, with the shift given back."""
+    n, encoding = read.instance.size, read.encoding
+    d = read.instance.distances.tolist()
+    u, v = potentials(read.instance, len(read.fleet.rooms) > 1)
     if encoding != "compact":
         u, v = [0.0] * (n + 1), [0.0] * (n + 1)
-    u, v = [shift * x for x in u], [shift * x for x in v]
-
-    def last(p: int) -> int:
-        return {"full": n + 1, "reduced": n}.get(encoding, fleet.most[p - 1])
-
-    first = 0 if encoding == "full" else 1
-
-    def x(t: int, i: int, p: int) -> int:
-        if encoding != "full" and t in (0, last(p) + 1):
-            return int(i == 0)
-        return sample.get(f"x[{t},{i},{p}]", 0)
+    u, v = [weight.shift * x for x in u], [weight.shift * x for x in v]
 
     def way(i: int, j: int) -> float:
         if i == j and i > 0:
@@ -127,49 +148,42 @@ def energy(
 
     total = 0.0
     stays = 0
-    for p in robots:
-        if encoding == "compact" and last(p) == 0:
+    for p in read.robots:
+        if encoding == "compact" and read.last(p) == 0:
             continue
-        final = last(p) if encoding == "full" else last(p) + 1
-        for t in range(1, final + 1):
-            for i in range(n + 1):
-                for j in range(n + 1):
-                    both = x(t - 1, i, p) * x(t, j, p)
-                    total += way(i, j) * both
-                    if i == 0 and j > 0 and t - 1 >= 1:
-                        total += detour * both
-        for t in range(first, last(p) + 1):
-            total += step * (sum(x(t, i, p) for i in range(n + 1)) - 1) ** 2
-        stays += last(p) + 1
+        final = read.last(p) if encoding == "full" else read.last(p) + 1
+        for t, i, j in itertools.product(range(1, final + 1), range(n + 1), range(n + 1)):
+            detour = weight.detour if i == 0 and j > 0 and t > 1 else 0
+            total += (way(i, j) + detour) * read.x(t - 1, i, p) * read.x(t, j, p)
+        for t in range(read.first, read.last(p) + 1):
+            total += weight.step * (sum(read.x(t, i, p) for i in range(n + 1)) - 1) ** 2
+        stays += read.last(p) + 1
     if encoding == "full":
         for t in (0, n + 1):
-            total += step * (sum(x(t, 0, p) for p in robots) - len(robots)) ** 2
+            home = sum(read.x(t, 0, p) for p in read.robots)
+            total += weight.step * (home - len(read.robots)) ** 2
     # What the shift took off every feasible plan.
-    total += sum(u[1:]) + sum(v[1:]) + (u[0] + v[0]) * (stays - n)
+    return total + sum(u[1:]) + sum(v[1:]) + (u[0] + v[0]) * (stays - n)
 
-    def carried(i: int, p: int) -> int:
-        return sum(x(t, i, p) for t in range(first, last(p) + 1))
 
-    for i in range(1, n + 1):
-        total += visit * (sum(carried(i, p) for p in robots) - 1) ** 2
-    for p in robots:
-        room = fleet.rooms[p - 1]
-        mode = fleet.mode[p - 1] if encoding == "compact" else "sum"
+def excess(read: Reading, kind: str) -> float:
+    """The squares by which loads and slacks differ from what the robots carry."""
+    w = [0, *(int(x) for x in read.instance.weights)]
+    compact = read.encoding == "compact"
+    total = 0.0
+    for p in read.robots:
+        room = read.fleet.rooms[p - 1]
+        mode = read.fleet.mode[p - 1] if compact else "sum"
         if mode == "sum":
-            spare = room - (fleet.low[p - 1] if encoding == "compact" else 0)
+            spare = room - (read.fleet.low[p - 1] if compact else 0)
             slack = sum(
-                c * sample[f"slack[{p},{b}]"] for b, c in enumerate(slack_values(spare, kind))
+                c * read.sample[f"slack[{p},{b}]"] for b, c in enumerate(slack_values(spare, kind))
             )
-            load = sum(w[i] * carried(i, p) for i in range(1, n + 1))
-            total += capacity * (load + slack - room) ** 2
+            total += (sum(w[i] * read.carried(i, p) for i in read.items) + slack - room) ** 2
         if mode == "pairs":
-            for i, j in itertools.combinations(range(1, n + 1), 2):
+            for i, j in itertools.combinations(read.items, 2):
                 over = max(0, w[i] + w[j] - room)
-                total += capacity * over**2 * carried(i, p) * carried(j, p)
-    for nodes in instance.order_nodes:
-        for i, j in itertools.combinations(nodes, 2):
-            for p, q in itertools.permutations(robots, 2):
-                total += same * carried(i, p) * carried(j, q)
+                total += over**2 * read.carried(i, p) * read.carried(j, p)
     return total
 
 
