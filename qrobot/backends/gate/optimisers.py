@@ -120,56 +120,71 @@ def minimise(
             field="optimizer",
             mend="use spsa, or the ansatz hardware without shots",
         )
-    found = Found(start.copy())
-
-    def note(point: Floats, reached: float) -> None:
-        if not np.isfinite(reached):
-            raise BackendError("the objective is not a finite number")
-        found.history.append(float(reached))
-        if reached < found.value:
-            found.parameters, found.value = point.copy(), float(reached)
-
-    def ready() -> None:
-        if len(found.history) >= budget or interrupted():
-            raise _SpentError
-
-    def counted(point: Floats) -> float:
-        ready()
-        reached = value(np.asarray(point, dtype=np.float64))
-        note(point, reached)
-        return reached
-
-    def distributed(point: Floats) -> Floats:
-        assert turns is not None
-        ready()
-        reached = turns.distribution(point)
-        note(point, turns.of(reached))
-        return reached
-
-    def known(point: Floats, reached: float) -> None:
-        if reached < found.value:
-            found.parameters, found.value = point.copy(), reached
-
-    def sloped(point: Floats) -> tuple[float, Floats]:
-        ready()
-        reached, way = slope(np.asarray(point, dtype=np.float64))
-        note(point, reached)
-        return reached, way
-
+    counted = _Counted(value, slope, turns, start, budget, interrupted)
     try:
         if name == "none" or start.size == 0:
-            counted(start)
+            counted.value(start)
         elif name == "nft" and turns is not None:
-            nft(turns, start, distributed, known, rng)
+            nft(turns, start, counted.distribution, counted.keep, rng)
         elif name == "spsa":
-            _spsa(counted, start, budget, rng)
+            _spsa(counted.value, start, budget, rng)
         elif name == "adam":
-            _adam(sloped, start, budget)
+            _adam(counted.slope, start, budget)
         else:
-            _scipy(name, counted, sloped, start, budget)
+            _scipy(name, counted.value, counted.slope, start, budget)
     except _SpentError:
         pass
-    return found
+    return counted.found
+
+
+class _Counted:
+    """An objective within a budget: each evaluation is noted, the best is kept."""
+
+    def __init__(
+        self,
+        value: Value,
+        slope: Slope,
+        turns: Turns | None,
+        start: Floats,
+        budget: int,
+        interrupted: Callable[[], bool],
+    ) -> None:
+        self._value, self._slope, self._turns = value, slope, turns
+        self._budget, self._interrupted = budget, interrupted
+        self.found = Found(start.copy())
+
+    def value(self, point: Floats) -> float:
+        self._check_budget()
+        reached = self._value(np.asarray(point, dtype=np.float64))
+        self._note(point, reached)
+        return reached
+
+    def slope(self, point: Floats) -> tuple[float, Floats]:
+        self._check_budget()
+        reached, way = self._slope(np.asarray(point, dtype=np.float64))
+        self._note(point, reached)
+        return reached, way
+
+    def distribution(self, point: Floats) -> Floats:
+        assert self._turns is not None
+        self._check_budget()
+        reached = self._turns.distribution(point)
+        self._note(point, self._turns.of(reached))
+        return reached
+
+    def keep(self, point: Floats, reached: float) -> None:
+        if reached < self.found.value:
+            self.found.parameters, self.found.value = point.copy(), float(reached)
+
+    def _check_budget(self) -> None:
+        if len(self.found.history) >= self._budget or self._interrupted():
+            raise _SpentError
+
+    def _note(self, point: Floats, reached: float) -> None:
+        if not np.isfinite(reached):
+            raise BackendError("the objective is not a finite number")
+        self.found.history.append(float(reached))
+        self.keep(point, reached)
 
 
 def _spsa(
