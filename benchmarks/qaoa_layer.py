@@ -34,7 +34,7 @@ import numpy as np
 
 from benchmarks.outputs import write
 from qrobot.backends.gate.form import Form, diagonal
-from qrobot.backends.gate.memory import pair
+from qrobot.backends.gate.resources import pair
 from qrobot.backends.gate.state.engine import make_engine
 from qrobot.study.render import markdown_table
 

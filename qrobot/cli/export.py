@@ -113,7 +113,7 @@ def command(
 
         report = {"path": output} | export_model(question, output, encoding, slack, penalties)
     if circuit is not None:
-        from qrobot.backends.gate.export import export_circuit
+        from qrobot.backends.gate.qasm import export_circuit
 
         report["circuit"] = {"path": circuit} | export_circuit(question, circuit, mixer, layers)
     if as_json:

@@ -10,15 +10,14 @@ import pytest
 from oracles import paper_shaped
 
 from qrobot.backends.gate.circuit import Circuit, Gate
-from qrobot.backends.gate.export import export_circuit
-from qrobot.backends.gate.feasible import FeasibleSet, feasible_set, x_label
-from qrobot.backends.gate.lower import elementary
-from qrobot.backends.gate.preserving_circuits import (
+from qrobot.backends.gate.constrained_circuits import (
     one_hot_circuit,
     subspace_circuit,
     two_level,
 )
-from qrobot.backends.gate.qasm import circuit_facts, qasm
+from qrobot.backends.gate.feasible import FeasibleSet, feasible_set, x_label
+from qrobot.backends.gate.lower import elementary
+from qrobot.backends.gate.qasm import circuit_facts, export_circuit, qasm
 from qrobot.backends.gate.state.general import state
 from qrobot.backends.gate.state.subspace import SubspaceQAOA, one_hot
 from qrobot.errors import InputError

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oracles import paper_shaped
 from strategies import instances
 
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.counting import spectrum
 from qrobot.backends.gate.feasible import feasible_set
 from qrobot.backends.gate.state.subspace import SubspaceQAOA
@@ -64,6 +64,6 @@ def test_what_cannot_be_counted_is_refused(monkeypatch: pytest.MonkeyPatch) -> N
         spectrum(paper_shaped(5, 1, 0))
     with pytest.raises(BackendError, match="more than the 15"):
         spectrum(whole(paper_shaped(16, 1, 0)))
-    monkeypatch.setattr(memory, "available_memory", lambda: 1000)
+    monkeypatch.setattr(resources, "available_memory", lambda: 1000)
     with pytest.raises(BackendError, match="1,000 bytes"):
         spectrum(whole(paper_shaped(5, 1, 0)))

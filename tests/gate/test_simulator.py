@@ -6,7 +6,7 @@ import dimod
 import numpy as np
 import pytest
 
-from qrobot.backends.gate import analytic, memory
+from qrobot.backends.gate import analytic, resources
 from qrobot.backends.gate.form import Form, diagonal
 from qrobot.backends.gate.state import jit
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
@@ -116,24 +116,24 @@ def test_all_lowest_assignments_are_found() -> None:
 def test_a_state_that_does_not_fit_is_refused_before_it_is_made(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(memory, "available_memory", lambda: 10**9)
+    monkeypatch.setattr(resources, "available_memory", lambda: 10**9)
     with pytest.raises(BackendError) as refused:
         DiagonalQAOA(form_of(30))
     text = str(refused.value)
     assert "30 qubits" in text
     assert f"{24 << 30:,} bytes" in text
     assert "1,000,000,000 bytes" in text
-    monkeypatch.setattr(memory, "available_memory", lambda: 20 << 20)
+    monkeypatch.setattr(resources, "available_memory", lambda: 20 << 20)
     DiagonalQAOA(form_of(20), precision="single")
     with pytest.raises(BackendError, match="precision 'single'"):
         DiagonalQAOA(form_of(20))
 
 
 def test_sizes_are_readable() -> None:
-    assert memory.readable(1000) == "1000 bytes"
-    assert memory.readable(3 << 29) == "1.5 GiB"
-    assert memory.readable(24 << 160) == "10^49 bytes"
-    assert memory.available_memory() > 0
+    assert resources.readable(1000) == "1000 bytes"
+    assert resources.readable(3 << 29) == "1.5 GiB"
+    assert resources.readable(24 << 160) == "10^49 bytes"
+    assert resources.available_memory() > 0
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import dimod
 import numpy as np
 import pytest
 
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.state import jit
 from qrobot.backends.gate.statevector import StatevectorSampler
 from qrobot.backends.testing import SamplerConformance
@@ -90,7 +90,7 @@ def test_models_that_cannot_be_sampled_are_refused(monkeypatch: pytest.MonkeyPat
     def forbidden(*_: object, **__: object) -> None:
         raise AssertionError("allocated before the refusal")
 
-    monkeypatch.setattr(memory, "aligned", forbidden)
+    monkeypatch.setattr(resources, "aligned", forbidden)
     big = dimod.BinaryQuadraticModel(dict.fromkeys(range(50), 1.0), {}, 0.0, "BINARY")
     with pytest.raises(BackendError, match=r"50 qubits.* bytes"):
         sampler.sample(big)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oracles import paper_shaped
 
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
 from qrobot.backends.gate.mixers import GroverMixer, Mixer, OneHotMixer, SwapMixer, transpositions
 from qrobot.backends.gate.state.subspace import SubspaceQAOA, expected_best, one_hot
@@ -123,7 +123,7 @@ def test_options_are_checked() -> None:
 
 def test_states_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     plans = feasible_set(paper_shaped(4, 1, 0))
-    monkeypatch.setattr(memory, "available_memory", lambda: 1_000)
+    monkeypatch.setattr(resources, "available_memory", lambda: 1_000)
     with pytest.raises(BackendError, match="24 states"):
         SubspaceQAOA.of(plans)
     with pytest.raises(BackendError, match="256 states"):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from qrobot.backends.gate.resources import PARALLEL, few_threads
 from qrobot.backends.gate.sampler import VariationalSampler
-from qrobot.backends.gate.threads import PARALLEL, few_threads
 
 
 def threads() -> set[int]:

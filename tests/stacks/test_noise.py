@@ -64,7 +64,7 @@ def test_readout_errors_want_shots() -> None:
 
 
 def test_a_density_matrix_that_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("qrobot.backends.gate.memory.available_memory", lambda: 1000)
+    monkeypatch.setattr("qrobot.backends.gate.resources.available_memory", lambda: 1000)
     with pytest.raises(BackendError, match=r"density matrix of 3 qubits .* give shots"):
         sample(noisy(), num_reads=1)
 

@@ -14,7 +14,7 @@ from stacks.stacks import needs
 
 from qrobot.backends import registry
 from qrobot.backends.annealing.neal import NealSampler
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.errors import InputError, MissingExtraError
 from qrobot.models import build_model
 from qrobot.study.reproduce import Settings, reproduce
@@ -181,7 +181,7 @@ def test_a_state_that_does_not_fit_is_refused_with_its_size(
     assert METHODS["penalty"] not in dict(methods_for(row_of(1, 4), large=True))
     row = row_of(2, 3)
     question = Question.of(row, 7)
-    monkeypatch.setattr(memory, "available_memory", lambda: 100_000)
+    monkeypatch.setattr(resources, "available_memory", lambda: 100_000)
     with pytest.raises(Exception, match=r"16 qubits needs 1,572,864 bytes .* available"):
         METHODS["penalty"].run(blank(row, "penalty"), question, 10, 0)
 

@@ -19,7 +19,7 @@ from qrobot.backends.braket.tasks import TaskEngine, check_fit
 from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import TURNING, Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
-from qrobot.backends.gate.ising import terms
+from qrobot.backends.gate.form import terms
 from qrobot.backends.gate.lower import lowered
 from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.sampler import VariationalSampler

@@ -6,13 +6,12 @@ samplers in the folders of the vendors build on `VariationalSampler`.
 
 from qrobot.backends.gate.ansatz import Ansatz, make_ansatz
 from qrobot.backends.gate.circuit import Circuit, Gate
+from qrobot.backends.gate.constrained_circuits import one_hot_circuit, subspace_circuit
 from qrobot.backends.gate.counting import Spectrum, spectrum
 from qrobot.backends.gate.engine import Engine, StateEngine
 from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
-from qrobot.backends.gate.form import Form, bits_of, diagonal
-from qrobot.backends.gate.ising import Term, terms
+from qrobot.backends.gate.form import Form, Term, bits_of, diagonal, terms
 from qrobot.backends.gate.options import Options
-from qrobot.backends.gate.preserving_circuits import one_hot_circuit, subspace_circuit
 from qrobot.backends.gate.qasm import CircuitFacts, circuit_facts, qasm
 from qrobot.backends.gate.remote import JobEngine, RemoteEngine
 from qrobot.backends.gate.sampler import VariationalSampler

@@ -19,8 +19,7 @@ import numpy as np
 from qrobot._arrays import Floats
 from qrobot.backends.gate.analytic import best_layer
 from qrobot.backends.gate.circuit import Circuit, Gate
-from qrobot.backends.gate.form import Form
-from qrobot.backends.gate.ising import Term
+from qrobot.backends.gate.form import Form, Term
 from qrobot.errors import InputError
 
 __all__ = ["ANSATZES", "Ansatz", "make_ansatz"]

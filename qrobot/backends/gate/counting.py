@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats, Ints
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.mixers import GroverMixer
 from qrobot.backends.gate.state.subspace import SubspaceQAOA
 from qrobot.errors import BackendError, InfeasibleError, InputError
@@ -94,7 +94,7 @@ def spectrum(instance: Instance) -> Spectrum:
     robots, units = len(capacities), _units(instance)
     layer = max((math.comb(n, k) * n for k in range(n + 1)), default=1)
     sets = 2 ** len(units) if robots > 1 else 1
-    memory.require(
+    resources.require(
         8 * length * (2 * layer + 8 * sets), f"counting {n} items and distances up to {length:,}"
     )
     tours = _tours(whole, length, units, everything=robots > 1)

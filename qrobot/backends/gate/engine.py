@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from qrobot._arrays import Bits, Floats
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.form import bits_of
 from qrobot.backends.gate.state import general
@@ -34,7 +34,7 @@ def room(qubits: int, where: str, mend: str = "use a smaller model or a remote d
         With the number of qubits and the memory that they need.
     """
     what = f"a state of {qubits} qubits on {where}"
-    memory.require(BYTES << qubits, what, mend, qubits=qubits)
+    resources.require(BYTES << qubits, what, mend, qubits=qubits)
 
 
 def attempt(name: str, doing: str, call: Callable[[], T]) -> T:

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.errors import BackendError, InfeasibleError
 from qrobot.models.fleet import fleet_of
 from qrobot.models.slack import Slack, slack_bits, slack_coefficients
@@ -168,7 +168,7 @@ def feasible_set(instance: Instance) -> FeasibleSet:
     what = f"{total:,} sequences of {n} items and {robots} robots"
     if total > MOST or (n + 1) ** (n + robots - 1) >= 2**63:
         raise BackendError(f"{what} are too many to enumerate; use at most {MOST:,}")
-    memory.require(total * (2 * (n + robots) + 40), what)
+    resources.require(total * (2 * (n + robots) + 40), what)
     tours = all_sequences(n)
     weights = np.concatenate([[0], instance.weights])[tours]
     distances, parts, costs = instance.distances, [], []

@@ -1,7 +1,8 @@
 """A binary quadratic model as arrays, its Ising form, and its energies on all assignments.
 
 Bit value 1 is state |1>, and Z is +1 on |0>: the binary variable is x = (1 - z) / 2.
-`qrobot.models.ising` converts.
+`qrobot.models.ising` converts. `terms` gives the Ising form as the list of Z words that every
+SDK makes its operator of.
 """
 
 from __future__ import annotations
@@ -9,18 +10,18 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import dimod
 import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats
-from qrobot.backends.gate.memory import aligned
+from qrobot.backends.gate.resources import aligned
 from qrobot.backends.sampler import check_finite
-from qrobot.models.ising import ising_of
+from qrobot.models.ising import ising_of, to_ising
 
-__all__ = ["Form", "bits_of", "diagonal"]
+__all__ = ["Form", "Term", "bits_of", "diagonal", "terms"]
 
 
 LOW_BITS = 15
@@ -140,3 +141,32 @@ def _doubled(offset: float, linear: Floats, quadratic: Floats) -> Floats:
             np.add(upper[: 1 << j], quadratic[j, k], out=upper[1 << j : 2 << j])
         upper += energies[: 1 << k]  # ... and the energy without it
     return energies
+
+
+class Term(NamedTuple):
+    """A coefficient times the product of Z over some qubits (none: the constant)."""
+
+    coefficient: float
+    qubits: tuple[int, ...]
+
+
+def terms(bqm: Any) -> list[Term]:
+    """Return the Ising form of a dimod model of any vartype; qubit k is the k-th variable.
+
+    Returns
+    -------
+    list of Term
+        The constant (always, and first), then fields, then couplings; zeros are left out.
+
+    Raises
+    ------
+    InputError
+        When a coefficient is NaN or infinite.
+    """
+    check_finite(bqm)
+    gate = to_ising(bqm, "gate")
+    found = [Term(float(gate.offset), ())]
+    found += [Term(float(h), (i,)) for i, h in enumerate(gate.h) if h]
+    pairs = zip(gate.rows, gate.columns, gate.J, strict=True)
+    found += [Term(float(J), (min(int(i), int(j)), max(int(i), int(j)))) for i, j, J in pairs if J]
+    return found

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import States
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.feasible import FeasibleSet
 
 __all__ = ["GroverMixer", "Mixer", "OneHotMixer", "SwapMixer", "transpositions"]
@@ -84,7 +84,7 @@ class SwapMixer:
         """Return the mixer of a feasible set; `pairs` is ``adjacent`` or ``all``."""
         exchanges = transpositions(feasible.sequences.shape[1], pairs)
         needed = feasible.size * (8 * len(exchanges) + 80)
-        memory.require(needed, f"{len(exchanges)} exchanges of {feasible.size:,} states")
+        resources.require(needed, f"{len(exchanges)} exchanges of {feasible.size:,} states")
         return cls([feasible.swapped(a, b) for a, b in exchanges])
 
     def apply(self, state: States, beta: float) -> States:

@@ -11,16 +11,14 @@ import dimod
 import numpy as np
 
 from qrobot.backends.base import Capabilities
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.ansatz import Ansatz, make_ansatz
 from qrobot.backends.gate.engine import Engine, PlainEngine, StateEngine, room
-from qrobot.backends.gate.facts import facts_of, ground, lengths
-from qrobot.backends.gate.form import Form
-from qrobot.backends.gate.ising import terms
+from qrobot.backends.gate.form import Form, terms
 from qrobot.backends.gate.options import SEARCH, Options
 from qrobot.backends.gate.remote import RemoteEngine
-from qrobot.backends.gate.search import Search
-from qrobot.backends.gate.threads import few_threads
+from qrobot.backends.gate.resources import few_threads
+from qrobot.backends.gate.search import Search, facts_of, ground, lengths
 from qrobot.backends.sampler import (
     Parameter,
     PickingSampler,
@@ -219,7 +217,7 @@ class VariationalSampler(PickingSampler):
         if trains and options.train != "device":
             _room_to_train(qubits)
         machine = self.connect(qubits, options, own, life)
-        memory.require(32 * qubits**2, f"the couplings of {qubits} qubits")
+        resources.require(32 * qubits**2, f"the couplings of {qubits} qubits")
         search, seed = self._search(bqm, options)
         # A machine may be asked for what circuits are made for, so this is a call to a service.
         engine = with_retries(

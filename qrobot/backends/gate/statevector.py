@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot.backends.base import Capabilities
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.form import Form, bits_of
+from qrobot.backends.gate.resources import few_threads
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
-from qrobot.backends.gate.threads import few_threads
 from qrobot.backends.gate.tune import Tuning, tune
 from qrobot.backends.sampler import (
     COMMON,
@@ -127,7 +127,7 @@ class StatevectorSampler(PickingSampler):
         clock = [time.perf_counter()]
         what = f"holding the state and the energies of {bqm.num_variables} qubits (at least)"
         # Before the couplings are a matrix.
-        memory.require(12 << bqm.num_variables, what, qubits=bqm.num_variables)
+        resources.require(12 << bqm.num_variables, what, qubits=bqm.num_variables)
         form = Form.from_bqm(bqm)
         if not form.qubits:
             return constant_samples(bqm, num_reads)

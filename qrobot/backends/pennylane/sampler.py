@@ -15,7 +15,7 @@ from qrobot._extras import load, missing
 from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
-from qrobot.backends.gate.ising import terms
+from qrobot.backends.gate.form import terms
 from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.pennylane.remote import PluginEngine, admitted, is_local, limited

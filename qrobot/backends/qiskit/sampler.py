@@ -11,14 +11,14 @@ import numpy as np
 
 from qrobot._arrays import Floats
 from qrobot._extras import is_installed, load
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import TURNING, Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, room
-from qrobot.backends.gate.ising import terms
+from qrobot.backends.gate.form import terms
 from qrobot.backends.gate.options import Options
+from qrobot.backends.gate.resources import PARALLEL
 from qrobot.backends.gate.sampler import VariationalSampler
-from qrobot.backends.gate.threads import PARALLEL
 from qrobot.backends.qiskit.runtime import (
     Measured,
     RuntimeEngine,
@@ -197,7 +197,7 @@ def _check_exact(qubits: int, options: Options) -> None:
         return
     model = _noise_of(options)
     what = f"the density matrix of {qubits} qubits{' under noise' if model else ''} on device aer"
-    memory.require(3 * 16 << 2 * qubits, what, "give shots, which take one trajectory each")
+    resources.require(3 * 16 << 2 * qubits, what, "give shots, which take one trajectory each")
     if model is not None and any(
         error.get("type") == "roerror" for error in model.to_dict()["errors"]
     ):

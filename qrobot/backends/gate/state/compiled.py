@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from qrobot._arrays import Floats, Reals
-from qrobot.backends.gate.memory import pair
+from qrobot.backends.gate.resources import pair
 from qrobot.backends.gate.state import jit
 
 __all__ = ["CompiledEngine", "Passes", "passes"]

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats, Reals
 from qrobot._machine import available_memory
-from qrobot.backends.gate import analytic, memory
+from qrobot.backends.gate import analytic, resources
 from qrobot.backends.gate.form import Form, bits_of, diagonal
 from qrobot.backends.gate.state.engine import make_engine
 from qrobot.errors import BackendError, InputError
@@ -86,7 +86,7 @@ class DiagonalQAOA:
         # Energies around zero keep the digits of a phase; in double the energies stay as they are.
         self.shift = form.mean if precision == "single" else 0.0
         self.diagonal: Reals = diagonal(form, self.dtype, self.shift)
-        self.re, self.im = memory.pair(self.diagonal.size, self.dtype)
+        self.re, self.im = resources.pair(self.diagonal.size, self.dtype)
         self.spread = form.spread
         self.runs = 0
 
@@ -95,7 +95,7 @@ class DiagonalQAOA:
         mend = "use a smaller model"
         if self.dtype == np.float64 and size // 2 <= available_memory():
             mend = "use precision 'single'"
-        memory.require(size, f"holding {what} of {self.qubits} qubits", mend, qubits=self.qubits)
+        resources.require(size, f"holding {what} of {self.qubits} qubits", mend, qubits=self.qubits)
 
     # -- the state -------------------------------------------------------------------
 
@@ -223,7 +223,7 @@ class DiagonalQAOA:
         if self.alpha < 1.0:
             end = self.dtype.type(self._tail(self.alpha)[1])
             weight = end - np.maximum(end - self.diagonal, 0) / self.dtype.type(self.alpha)
-        lr, li = memory.pair(self.re.size, self.dtype)
+        lr, li = resources.pair(self.re.size, self.dtype)
         np.multiply(weight, self.re, out=lr)
         np.multiply(weight, self.im, out=li)
         by_gamma, by_beta = np.zeros(len(gammas)), np.zeros(len(betas))

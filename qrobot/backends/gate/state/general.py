@@ -12,7 +12,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from qrobot._arrays import Floats, States
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.circuit import Circuit, Gate
 
 __all__ = ["gradient", "state"]
@@ -37,7 +37,7 @@ def state(circuit: Circuit, angles: Iterable[float] = ()) -> States:
         When the state does not fit into memory.
     """
     what = f"the state of a circuit of {circuit.qubits} qubits"
-    memory.require(40 << circuit.qubits, what, qubits=circuit.qubits)
+    resources.require(40 << circuit.qubits, what, qubits=circuit.qubits)
     found = np.zeros(2**circuit.qubits, dtype=np.complex128)
     found[0] = 1.0
     for gate, angle in circuit.turned(angles):

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats, States
-from qrobot.backends.gate import memory
+from qrobot.backends.gate import resources
 from qrobot.backends.gate.feasible import FeasibleSet
 from qrobot.backends.gate.mixers import GroverMixer, Mixer, OneHotMixer, SwapMixer
 from qrobot.errors import InputError
@@ -142,7 +142,7 @@ def one_hot(
         When n**n amplitudes do not fit into memory, before any is made.
     """
     n = len(distances) - 1
-    memory.require((n + 120) * n**n, f"holding {n**n:,} states of {n} steps")
+    resources.require((n + 120) * n**n, f"holding {n**n:,} states of {n} steps")
     stops = np.indices((n,) * n, dtype=np.uint8).reshape(n, -1)
     costs = distances[0, stops[0] + 1] + distances[stops[-1] + 1, 0]
     for a, b in pairwise(stops):

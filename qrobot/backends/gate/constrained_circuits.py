@@ -1,4 +1,4 @@
-"""The constraint-preserving ansätze as circuits: start states, phases and mixers.
+"""Circuits that never leave the plans: start states, phases and mixers.
 
 For one robot everything is polynomial in n: the uniform superposition of all tours takes
 n (n - 1) controlled swaps a row, an exchange of two steps n controlled swaps and one ancilla.

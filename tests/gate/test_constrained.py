@@ -6,7 +6,7 @@ import pytest
 from oracles import least_distance, paper_shaped
 
 import qrobot
-from qrobot.backends.gate.preserving import GroverPlanner, SwapPlanner
+from qrobot.backends.gate.constrained import GroverPlanner, SwapPlanner
 from qrobot.backends.testing import PlannerConformance
 
 

@@ -1,8 +1,13 @@
-"""Arrays that fit the processor, and the refusal when a state would not fit into it."""
+"""Memory and threads of states.
+
+Threads of OpenMP and BLAS wait for each other by spinning: on a busy machine a state of a few
+qubits takes ten times longer on all cores than on one, and gains nothing on an idle one.
+"""
 
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -11,7 +16,8 @@ import numpy.typing as npt
 from qrobot._machine import available_memory
 from qrobot.errors import BackendError
 
-__all__ = ["aligned", "pair", "readable", "require"]
+__all__ = ["PARALLEL", "aligned", "few_threads", "pair", "readable", "require"]
+
 
 GAP = 5 << 14
 """Bytes between the two arrays of `pair`."""
@@ -91,3 +97,23 @@ def pair(count: int, dtype: npt.DTypeLike) -> tuple[npt.NDArray[Any], npt.NDArra
     size = np.dtype(dtype).itemsize
     both = aligned(2 * count + GAP // size, dtype, line=4096)
     return both[:count], both[count + GAP // size :]
+
+
+PARALLEL = 20
+"""Qubits from which on more than one thread pays."""
+
+
+def few_threads(qubits: int) -> AbstractContextManager[object]:
+    """Return a context in which numpy, OpenMP and BLAS use one thread for a small state.
+
+    Parameters
+    ----------
+    qubits
+        Of the state; from `PARALLEL` on the libraries decide.
+    """
+    if qubits >= PARALLEL:
+        return nullcontext()
+    from threadpoolctl import threadpool_limits
+
+    limited: AbstractContextManager[object] = threadpool_limits(limits=1)
+    return limited

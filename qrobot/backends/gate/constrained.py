@@ -16,6 +16,7 @@ from qrobot.problem.instance import Instance
 
 __all__ = ["GroverPlanner", "SwapPlanner"]
 
+
 READS = 1000
 LAYERS = 2
 EVALUATIONS = 60
@@ -68,8 +69,8 @@ class _PreservingPlanner:
             return Search(routes=[], optimal=True)
         from qrobot.backends.classical.exact.packing import no_way
         from qrobot.backends.gate.feasible import feasible_set
+        from qrobot.backends.gate.resources import few_threads
         from qrobot.backends.gate.state.subspace import SubspaceQAOA
-        from qrobot.backends.gate.threads import few_threads
         from qrobot.backends.gate.tune import sharpen
 
         try:
