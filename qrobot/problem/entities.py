@@ -29,15 +29,20 @@ class Item:
         as; the field is an exact fraction.
     place
         Where it lies.
+    pick_seconds
+        How long it takes to collect it there.
     """
 
     id: str
     weight: Fraction
     place: Place
+    pick_seconds: float = 0.0
 
     if TYPE_CHECKING:  # what is taken is wider than what is kept
 
-        def __init__(self, id: str, weight: Quantity, place: Place) -> None: ...
+        def __init__(
+            self, id: str, weight: Quantity, place: Place, pick_seconds: float = 0.0
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Keep the name's composed form, and a number as the decimal that it is written as."""

@@ -23,6 +23,10 @@ MIN_SPEED, MAX_SPEED = 1e-6, 1e6
 """Metres a second, bounded as lengths are, so that no driving time overflows."""
 
 
+MAX_PICK = 1e6
+"""Seconds to collect one item."""
+
+
 def check_entities(
     warehouse: Warehouse,
     items: Sequence[Item],
@@ -58,6 +62,13 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
                 f"weight {float(item.weight):g} of item {item.id!r} is negative",
                 field=f"items[{i}].weight",
                 mend="use zero or more",
+            )
+        if not 0 <= item.pick_seconds <= MAX_PICK:  # NaN too
+            raise InputError(
+                f"{item.pick_seconds:g} seconds to collect item {item.id!r} are not 0 to "
+                f"{MAX_PICK:g}",
+                field=f"items[{i}].pick_seconds",
+                mend="use seconds from zero",
             )
         try:
             warehouse.check(item.place)

@@ -24,7 +24,18 @@ _PLACES: tuple[tuple[set[str], set[str]], ...] = (
     ({"node"}, set()),
 )
 """Columns that a place needs, and those that it may have."""
-_COLUMNS = (*_REQUIRED, "quantity", "aisle", "block", "slot", "side", "x", "y", "node")
+_COLUMNS = (
+    *_REQUIRED,
+    "quantity",
+    "pick_seconds",
+    "aisle",
+    "block",
+    "slot",
+    "side",
+    "x",
+    "y",
+    "node",
+)
 _TEXTS = {"order", "item", "side"}
 """Columns whose cells are not numbers."""
 _LONGEST = 90

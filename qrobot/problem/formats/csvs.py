@@ -1,9 +1,9 @@
 """Orders as CSV, with the layout and the robots as native JSON beside them.
 
 Columns, in any sequence: ``order, item, weight`` and the place (``aisle, slot`` and, when
-wanted, ``block`` and ``side``; or ``x, y``; or ``node``), and ``quantity`` when one line
-means several pieces. An unknown column is refused, not passed over: a misspelt
-``quantity`` would lose weight without a word.
+wanted, ``block`` and ``side``; or ``x, y``; or ``node``), ``pick_seconds`` (of one piece), and
+``quantity`` when one line means several pieces. An unknown column is refused, not passed
+over: a misspelt ``quantity`` would lose weight without a word.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ def read_csv(
     orders: dict[str, list[str]] = {}
     for line, id_ in zip(lines, _ids(lines), strict=True):
         pieces = line.whole("quantity", least=1) if line.has("quantity") else 1
-        items.append(Item(id_, _weight(line) * pieces, _place(line)))
+        seconds = line.number_of("pick_seconds") if line.has("pick_seconds") else Fraction(0)
+        weight, seconds = _weight(line) * pieces, seconds * pieces
+        items.append(Item(id_, weight, _place(line), float(seconds)))
         orders.setdefault(line.text("order"), []).append(id_)
 
     def make() -> Instance:

@@ -112,7 +112,7 @@ def _instance(document: Document) -> Instance:
             mend="add the items, or give the orders as CSV with this layout",
         )
     layout = _layout(document)
-    items = tuple(Item(i.id, i.weight, _place(i.at)) for i in document.items)
+    items = tuple(Item(i.id, i.weight, _place(i.at), i.pick_seconds) for i in document.items)
     if "orders" in document.model_fields_set:
         orders = tuple(Order(o.id, tuple(o.items)) for o in document.orders)
     else:
@@ -273,7 +273,12 @@ def to_text(instance: Instance) -> str:
     data["warehouse"] = _warehouse_data(instance.warehouse)
     data["robots"] = _robots_data(instance.robots)
     data["items"] = [
-        {"id": item.id, "weight": _decimal(item.weight, i), "at": _place_data(item.place)}
+        {
+            "id": item.id,
+            "weight": _decimal(item.weight, i),
+            "at": _place_data(item.place),
+            **({"pick_seconds": item.pick_seconds} if item.pick_seconds else {}),
+        }
         for i, item in enumerate(instance.items)
     ]
     if [o.items for o in instance.orders] != [(item.id,) for item in instance.items] or any(

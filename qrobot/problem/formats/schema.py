@@ -207,6 +207,7 @@ class ItemModel(_Strict):
     id: Name
     weight: Weight
     at: PlaceModel
+    pick_seconds: Length = 0.0
 
 
 class Document(_Strict):
