@@ -134,6 +134,9 @@ class Machine:
         self.proxy.server_close()
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
+        # At once: with its network alone it would go some time later, and the next machine of this
+        # Python has the same name and address.
+        subprocess.run(["ip", "link", "delete", self.name], check=True)
         subprocess.run(["ip", "netns", "delete", self.name], check=True)
         until(lambda: emptied(self.group), "the control group does not become empty")
 
