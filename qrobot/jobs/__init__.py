@@ -12,7 +12,7 @@ from qrobot.jobs.job import Answer, Estimate, RemoteJob, State
 from qrobot.jobs.redaction import redact, redact_data, register_secret
 from qrobot.jobs.retry import Backoff, with_retries
 from qrobot.jobs.samples import breakdown, json_data, timing_fields
-from qrobot.jobs.service import LIMITS, PARAMETERS, Keep, Options, RemoteService
+from qrobot.jobs.service import LIMITS, PARAMETERS, JobOptions, Keep, RemoteService
 from qrobot.jobs.store import JobStore, default_path
 
 __all__ = [
@@ -22,9 +22,9 @@ __all__ = [
     "Backoff",
     "CircuitJobs",
     "Estimate",
+    "JobOptions",
     "JobStore",
     "Keep",
-    "Options",
     "Presence",
     "RemoteJob",
     "RemoteService",

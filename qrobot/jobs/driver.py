@@ -12,7 +12,7 @@ from qrobot.jobs.job import Answer, Estimate, RemoteJob, pack_model
 from qrobot.jobs.redaction import redact
 from qrobot.jobs.retry import Kind, classify, with_retries
 from qrobot.jobs.samples import breakdown, empty, tell
-from qrobot.jobs.service import Options, RemoteService
+from qrobot.jobs.service import JobOptions, RemoteService
 from qrobot.jobs.store import JobStore
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ POLL_FIRST, POLL_LONGEST = 0.05, 5.0
 def run_job(
     service: RemoteService,
     bqm: dimod.BinaryQuadraticModel,
-    options: Options | None = None,
+    options: JobOptions | None = None,
     *,
     store: JobStore | None = None,
     **parameters: Any,
@@ -58,7 +58,7 @@ def run_job(
         See `with_retries` and `check_budget`. An interrupted or late wait is a RemoteError
         that names the job, which goes on.
     """
-    chosen = options or Options()
+    chosen = options or JobOptions()
     if chosen.timeout is not None and not chosen.timeout > 0:
         raise InputError(
             f"timeout {chosen.timeout} is not positive",
@@ -85,7 +85,7 @@ def run_job(
 def _run(
     service: RemoteService,
     bqm: dimod.BinaryQuadraticModel,
-    options: Options,
+    options: JobOptions,
     store: JobStore,
     estimate: Estimate,
     parameters: dict[str, Any],
@@ -142,7 +142,7 @@ def _run(
 
 
 def _wait(
-    service: RemoteService, job: RemoteJob, store: JobStore, options: Options, begun: float
+    service: RemoteService, job: RemoteJob, store: JobStore, options: JobOptions, begun: float
 ) -> None:
     pause = POLL_FIRST
     while True:
@@ -174,12 +174,12 @@ def _sleep(seconds: float, stop: Callable[[], bool] | None) -> None:
 
 
 def refresh(
-    service: RemoteService, job: RemoteJob, store: JobStore, options: Options | None = None
+    service: RemoteService, job: RemoteJob, store: JobStore, options: JobOptions | None = None
 ) -> RemoteJob:
     """Ask the service for the state of a job and keep it; return the job."""
     if job.ended:
         return job
-    chosen = options or Options()
+    chosen = options or JobOptions()
     before = (job.state, job.remote_id)
     if not job.remote_id:
         found = _call(service, chosen, lambda: service.find(job))
@@ -198,7 +198,7 @@ def fetch_job(
     job: RemoteJob,
     store: JobStore,
     *,
-    options: Options | None = None,
+    options: JobOptions | None = None,
     begun: float | None = None,
 ) -> dimod.SampleSet:
     """Return the samples of a job that is done, and keep them.
@@ -229,7 +229,7 @@ def fetch_job(
         why = f"is {job.state}" if not job.problem else f"is {job.state}: {job.problem}"
         raise RemoteError(f"{service.title} job {job.id} {why}; there is nothing to fetch")
     started = time.perf_counter()
-    answer = _call(service, options or Options(), lambda: service.fetch(job))
+    answer = _call(service, options or JobOptions(), lambda: service.fetch(job))
     ended = time.perf_counter()
     submit = job.timings.get("submit", 0.0)
     total = ended - begun if begun is not None else _age(answer, submit, ended - started)
@@ -256,7 +256,7 @@ def _age(answer: Answer, submit: float, fetch: float) -> float:
     return submit + fetch + run
 
 
-def _call(service: RemoteService, options: Options, call: Callable[[], Any]) -> Any:
+def _call(service: RemoteService, options: JobOptions, call: Callable[[], Any]) -> Any:
     return with_retries(
         call, what=service.title, backoff=options.backoff, stop=options.interrupt_function
     )

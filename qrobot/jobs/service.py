@@ -13,7 +13,7 @@ from qrobot.jobs.retry import Backoff
 if TYPE_CHECKING:
     import dimod
 
-__all__ = ["LIMITS", "PARAMETERS", "Keep", "Options", "RemoteService"]
+__all__ = ["LIMITS", "PARAMETERS", "JobOptions", "Keep", "RemoteService"]
 
 Keep = Callable[[dict[str, Any]], None]
 """Keeps plain data beside the job, on the disk, before it is submitted."""
@@ -26,10 +26,10 @@ LIMITS: dict[str, Parameter] = {
     "interrupt_function": Parameter("function"),
     "context": Parameter("names"),
 }
-"""What each parameter of a remote job's life takes; see `Options`."""
+"""What each parameter of a remote job's life takes; see `JobOptions`."""
 
 PARAMETERS: dict[str, list[str]] = {name: [] for name in LIMITS}
-"""Sampling parameters that every remote sampler takes; see `Options`."""
+"""Sampling parameters that every remote sampler takes; see `JobOptions`."""
 
 
 @runtime_checkable
@@ -87,7 +87,7 @@ class RemoteService(Protocol):
 
 
 def check_limits(parameters: Mapping[str, Any]) -> None:
-    """Check the limits of a remote job's life (`Options`) before any work.
+    """Check the limits of a remote job's life (`JobOptions`) before any work.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def check_limits(parameters: Mapping[str, Any]) -> None:
 
 
 @dataclass(slots=True)
-class Options:
+class JobOptions:
     """How a remote job is run; each is a sampling parameter of remote samplers.
 
     Parameters
@@ -129,7 +129,7 @@ class Options:
     backoff: Backoff = field(default_factory=Backoff)
 
     @classmethod
-    def take_from(cls, parameters: dict[str, Any]) -> Options:
+    def take_from(cls, parameters: dict[str, Any]) -> JobOptions:
         """Return the options among sampling parameters, and take them out of there.
 
         Raises

@@ -10,7 +10,7 @@ from jobs.fake_service import FileService
 from qrobot.backends import Capabilities
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import CredentialsError
-from qrobot.jobs import PARAMETERS, Options, run_job
+from qrobot.jobs import PARAMETERS, JobOptions, run_job
 
 
 class FileSampler(FileService, PickingSampler):
@@ -26,4 +26,4 @@ class FileSampler(FileService, PickingSampler):
             self.errors["submit"] = [CredentialsError("File Service refused the token")]
 
     def sample(self, bqm, **parameters):
-        return run_job(self, bqm, Options.take_from(parameters), **parameters)
+        return run_job(self, bqm, JobOptions.take_from(parameters), **parameters)

@@ -16,8 +16,8 @@ from qrobot.backends.jobs import fetch, service_of
 from qrobot.backends.qiskit.jobs import RuntimeJobs
 from qrobot.errors import CredentialsError, RemoteError
 from qrobot.jobs import (
+    JobOptions,
     JobStore,
-    Options,
     RemoteService,
     by_shots,
     device_price,
@@ -174,7 +174,7 @@ def test_a_braket_task_from_device_to_samples_in_two_processes() -> None:
 
     first = BraketTasks("braket-qaoa", start, device=device.name, cost=by_shots(20, 0, 0))
     assert isinstance(first, RemoteService)
-    samples = run_job(first, BQM, Options(wait=False))
+    samples = run_job(first, BQM, JobOptions(wait=False))
     name = samples.info["remote"]["id"]
     with JobStore() as store:
         job = store.get(name)
@@ -234,7 +234,7 @@ def test_a_runtime_job_on_a_fake_backend() -> None:
         return job
 
     jobs = RuntimeJobs("qiskit-qaoa", start, device="fake_manila")
-    samples = run_job(jobs, BQM, Options(timeout=60))
+    samples = run_job(jobs, BQM, JobOptions(timeout=60))
     assert len(samples) == 200
     common = samples.aggregate().record
     best = common.sample[common.num_occurrences.argmax()]

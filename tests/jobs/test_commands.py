@@ -16,7 +16,7 @@ from qrobot.backends.jobs import refresh_all
 from qrobot.cli import doctor, jobs, main
 from qrobot.errors import InputError
 from qrobot.health.inventory import EXTRAS, packages_of
-from qrobot.jobs import JobStore, Options, run_job
+from qrobot.jobs import JobOptions, JobStore, run_job
 
 BQM = dimod.BQM({"a": 1.0, "b": -1.0}, {("a", "b"): 0.5}, 0.25, "BINARY")
 
@@ -36,7 +36,7 @@ def run(command: object, *words: str, code: int = 0) -> str:
 
 def test_list_fetch_cancel_forget(service: FileService, tmp_path: Path) -> None:
     assert run(jobs.command, "list") == "no jobs\n"
-    names = [run_job(service, BQM, Options(wait=False)).info["remote"]["id"] for _ in range(2)]
+    names = [run_job(service, BQM, JobOptions(wait=False)).info["remote"]["id"] for _ in range(2)]
     text = run(jobs.command, "list")
     assert all(name in text for name in names)
     assert "queued" in text
@@ -57,7 +57,7 @@ def test_list_fetch_cancel_forget(service: FileService, tmp_path: Path) -> None:
 
 
 def test_a_service_that_is_down_does_not_hide_the_list(service: FileService) -> None:
-    name = run_job(service, BQM, Options(wait=False)).info["remote"]["id"]
+    name = run_job(service, BQM, JobOptions(wait=False)).info["remote"]["id"]
     service.errors = {"poll": [ValueError("down")]}
     text = run(jobs.command, "list", "--refresh")
     assert f"not refreshed: file-service, job {name}: File Service failed (ValueError" in text
@@ -102,7 +102,7 @@ def test_the_extras_are_those_of_the_project() -> None:
 def test_one_dead_job_does_not_hide_the_others(service: FileService) -> None:
     service.hold = True
     bqm = dimod.BQM({"a": 1.0}, {}, 0.0, "BINARY")
-    ids = [run_job(service, bqm, Options(wait=False)).info["remote"]["id"] for _ in range(3)]
+    ids = [run_job(service, bqm, JobOptions(wait=False)).info["remote"]["id"] for _ in range(3)]
     service.hold = False
     with JobStore() as store:
         jobs = {job.id: job for job in store.list()}

@@ -19,8 +19,8 @@ from qrobot.backends.jobs import cancel, fetch, refresh_all  # fmt: skip
 from qrobot.errors import BackendError, InputError, RemoteError
 from qrobot.jobs import (
     Backoff,
+    JobOptions,
     JobStore,
-    Options,
     RemoteService,
     refresh,
     run_job,
@@ -44,7 +44,7 @@ def service(tmp_path: Path) -> FileService:
 
 def test_a_job_from_submission_to_samples(service: FileService, store: JobStore) -> None:
     assert isinstance(service, RemoteService)
-    samples = run_job(service, BQM, Options(context={"why": "test"}), store=store, num_reads=3)
+    samples = run_job(service, BQM, JobOptions(context={"why": "test"}), store=store, num_reads=3)
     assert samples.first.sample == {"a": 0, "b": 1}
     assert samples.first.energy == -0.75
     remote = samples.info["remote"]
@@ -81,13 +81,13 @@ def test_parts_are_never_negative_and_add_up(submit, rest, fetch, run, had) -> N
 
 
 def test_a_dry_run_and_a_budget_submit_nothing(service: FileService, store: JobStore) -> None:
-    samples = run_job(service, BQM, Options(dry_run=True), store=store)
+    samples = run_job(service, BQM, JobOptions(dry_run=True), store=store)
     assert len(samples) == 0
     assert samples.info["remote"]["estimate"]["usd"] == 0.5
     for usd, limit in ((0.5, 0.1), (None, 100.0)):
         service.usd = usd
         with pytest.raises(BackendError, match="nothing was submitted"):
-            run_job(service, BQM, Options(max_cost=limit), store=store)
+            run_job(service, BQM, JobOptions(max_cost=limit), store=store)
     assert "submit" not in service.calls
     assert store.list() == []
 
@@ -99,7 +99,7 @@ def test_an_empty_model_asks_nobody(service: FileService, store: JobStore) -> No
 
 def test_not_waiting_and_fetching_later(service: FileService, store: JobStore) -> None:
     service.hold = True
-    samples = run_job(service, BQM, Options(wait=False), store=store)
+    samples = run_job(service, BQM, JobOptions(wait=False), store=store)
     name = samples.info["remote"]["id"]
     with pytest.raises(RemoteError, match="is queued; there is nothing to fetch"):
         fetch(name, store, lambda _: service)
@@ -116,15 +116,15 @@ def test_not_waiting_and_fetching_later(service: FileService, store: JobStore) -
 def test_a_late_or_interrupted_wait_leaves_the_job(service: FileService, store: JobStore) -> None:
     service.hold = True
     with pytest.raises(RemoteError, match=r"longer than 0.2 s; the job goes on \(queued\)"):
-        run_job(service, BQM, Options(timeout=0.2), store=store)
+        run_job(service, BQM, JobOptions(timeout=0.2), store=store)
     with pytest.raises(RemoteError, match="was interrupted"):
-        run_job(service, BQM, Options(interrupt_function=lambda: True), store=store)
+        run_job(service, BQM, JobOptions(interrupt_function=lambda: True), store=store)
     (newer, older) = store.list()
     assert newer.state == older.state == "queued"
     assert cancel(newer.id, store, lambda _: service).state == "cancelled"
     assert service.state(newer.remote_id) == "cancelled"
     with pytest.raises(InputError, match="not positive"):
-        run_job(service, BQM, Options(timeout=0.0), store=store)
+        run_job(service, BQM, JobOptions(timeout=0.0), store=store)
 
 
 def test_a_failed_job_says_why(service: FileService, store: JobStore) -> None:
@@ -137,7 +137,7 @@ def test_a_failed_job_says_why(service: FileService, store: JobStore) -> None:
 
 def test_polls_survive_trouble(service: FileService, store: JobStore) -> None:
     service.errors = {"poll": [TimeoutError()], "fetch": [ConnectionResetError()]}
-    assert len(run_job(service, BQM, Options(backoff=FAST), store=store)) == 3
+    assert len(run_job(service, BQM, JobOptions(backoff=FAST), store=store)) == 3
 
 
 def test_a_lost_answer_to_a_submission_is_found_by_its_label(
@@ -145,7 +145,7 @@ def test_a_lost_answer_to_a_submission_is_found_by_its_label(
 ) -> None:
     service.errors = {"submitted": [TimeoutError()]}
     with pytest.raises(RemoteError, match="did not answer in time"):
-        run_job(service, BQM, Options(backoff=FAST), store=store)
+        run_job(service, BQM, JobOptions(backoff=FAST), store=store)
     assert service.calls.count("submit") == 1  # never twice
     (job,) = store.list()
     assert (job.state, job.remote_id) == ("submitting", "")

@@ -222,7 +222,7 @@ def test_what_circuits_are_made_for_is_asked_in_the_wrapper() -> None:
         def check(self, qubits, options, own):
             return False
 
-        def connect(self, qubits, options, own, life):
+        def connect(self, qubits, options, own, job_options):
             return object()
 
         def engine(self, ansatz, options, own):

@@ -17,8 +17,8 @@ from jobs.homeless import homeless
 
 from qrobot.errors import CredentialsError, QRobotError
 from qrobot.jobs import (
+    JobOptions,
     JobStore,
-    Options,
     presence,
     redact,
     redact_data,
@@ -183,7 +183,7 @@ def test_a_planted_secret_is_nowhere(
 
         service.fetch = leaky
         service.poll = lambda job: ("done", f"finished with {TOKEN}")
-        samples = run_job(service, bqm, Options(context={"note": TOKEN}), store=store)
+        samples = run_job(service, bqm, JobOptions(context={"note": TOKEN}), store=store)
         texts.append(repr(samples.info))
         texts += [repr(job) for job in store.list()]
         texts.append(repr(store.answer(store.list()[0]).info))

@@ -25,7 +25,7 @@ from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.sampler import Parameter
 from qrobot.errors import InputError
-from qrobot.jobs import Options as Life
+from qrobot.jobs import JobOptions
 
 __all__ = ["BraketQAOA", "BraketVQE", "circuit_of", "observable"]
 
@@ -180,7 +180,9 @@ class _Braket(VariationalSampler):
             device = load("braket.devices", "backend braket").LocalSimulator(name)
         return _Shots(ansatz.circuit, device, run)
 
-    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+    def connect(
+        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
+    ) -> Any:
         """Return an ``AwsDevice`` that holds the model and is online."""
         del own
         device = options.device
@@ -188,7 +190,10 @@ class _Braket(VariationalSampler):
             arn = arn_of(device)
             load("braket.aws", "Braket's managed devices")
             device = open_device(
-                arn, options.device_options, backoff=life.backoff, stop=life.interrupt_function
+                arn,
+                options.device_options,
+                backoff=job_options.backoff,
+                stop=job_options.interrupt_function,
             )
         else:
             check_status(device)

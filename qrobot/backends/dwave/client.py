@@ -18,8 +18,8 @@ from qrobot.jobs import (
     Answer,
     Backoff,
     Estimate,
+    JobOptions,
     Keep,
-    Options,
     RemoteJob,
     State,
     run_job,
@@ -131,7 +131,7 @@ class DWaveCloudSampler(PickingSampler):
         bqm
             Any binary quadratic model.
         **parameters
-            Names of `parameters`; those of the job's life are in `qrobot.jobs.Options`.
+            Names of `parameters`; those of the job's life are in `qrobot.jobs.JobOptions`.
 
         Returns
         -------
@@ -147,7 +147,7 @@ class DWaveCloudSampler(PickingSampler):
         BackendError
             When the model does not fit, or would cost too much.
         """
-        options = Options.take_from(parameters)
+        options = JobOptions.take_from(parameters)
         self._limit, self._backoff = options.timeout, options.backoff
         self._asked = options.interrupt_function
         return run_job(self, bqm, options, **parameters)

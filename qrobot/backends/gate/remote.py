@@ -1,4 +1,4 @@
-"""Circuits on machines that are reached over a network: each run is a job with its own life."""
+"""Circuits on machines that are reached over a network: each run is a job of its own."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from qrobot._arrays import Bits, Floats
 from qrobot.backends.gate.engine import Engine
 from qrobot.errors import RemoteError
-from qrobot.jobs import Estimate, Options, run_job
+from qrobot.jobs import Estimate, JobOptions, run_job
 from qrobot.jobs.circuits import CircuitJobs
 from qrobot.jobs.samples import PARTS
 
@@ -26,9 +26,9 @@ class RemoteEngine(Engine):
     title = "the machine"
     """For messages."""
 
-    def begin(self, backend: str, bqm: Any, life: Options) -> None:
+    def begin(self, backend: str, bqm: Any, job_options: JobOptions) -> None:
         """Say for whom circuits run, and within which limits of time and money."""
-        self.backend, self.bqm, self.life = backend, bqm, life
+        self.backend, self.bqm, self.job_options = backend, bqm, job_options
         self.training: dict[str, float] = {}
         self.trainings = 0
         self._first: float | None = None
@@ -38,7 +38,7 @@ class RemoteEngine(Engine):
         """Return what so many runs of the circuit would cost."""
 
     @abstractmethod
-    def run(self, angles: Floats, shots: int, life: Options) -> dimod.SampleSet:
+    def run(self, angles: Floats, shots: int, job_options: JobOptions) -> dimod.SampleSet:
         """Return one row a shot, over the variables of the model in their sequence."""
 
     def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
@@ -64,12 +64,14 @@ class RemoteEngine(Engine):
         info
             Plain data for the samples' info; kept beside the job for other processes.
         """
-        life = self.left()
+        job_options = self.left()
         return self.run(
-            angles, shots, replace(life, context={**(life.context or {}), "info": info})
+            angles,
+            shots,
+            replace(job_options, context={**(job_options.context or {}), "info": info}),
         )
 
-    def left(self) -> Options:
+    def left(self) -> JobOptions:
         """Return the limits with what is left of the time: it counts from the first run.
 
         Raises
@@ -79,17 +81,17 @@ class RemoteEngine(Engine):
         """
         now = time.perf_counter()
         self._first = now if self._first is None else self._first
-        whole = self.life.timeout
+        whole = self.job_options.timeout
         if whole is None:
-            return self.life
+            return self.job_options
         rest = whole - (now - self._first)
         if rest <= 0:
             raise RemoteError(
                 f"the search for parameters took longer than {whole:g} s; search with"
                 " train='local', or give a longer timeout"
             )
-        backoff = replace(self.life.backoff, timeout=rest)
-        return replace(self.life, timeout=rest, backoff=backoff)
+        backoff = replace(self.job_options.backoff, timeout=rest)
+        return replace(self.job_options, timeout=rest, backoff=backoff)
 
 
 class JobEngine(RemoteEngine):
@@ -99,7 +101,7 @@ class JobEngine(RemoteEngine):
     def jobs(self, angles: Floats, shots: int) -> CircuitJobs:
         """Return the job of one run, not started yet."""
 
-    def run(self, angles: Floats, shots: int, life: Options) -> dimod.SampleSet:
-        """Submit one job and wait for it, as `life` says."""
+    def run(self, angles: Floats, shots: int, job_options: JobOptions) -> dimod.SampleSet:
+        """Submit one job and wait for it, as `job_options` says."""
         self.executions += 1
-        return run_job(self.jobs(angles, shots), self.bqm, life)
+        return run_job(self.jobs(angles, shots), self.bqm, job_options)

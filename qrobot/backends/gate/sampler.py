@@ -27,8 +27,7 @@ from qrobot.backends.sampler import (
     constant_samples,
 )
 from qrobot.errors import BackendError, QRobotError, RemoteError
-from qrobot.jobs import LIMITS, Estimate, check_budget, redact, with_retries
-from qrobot.jobs import Options as Life
+from qrobot.jobs import LIMITS, Estimate, JobOptions, check_budget, redact, with_retries
 from qrobot.jobs.cost import FREE, together
 from qrobot.jobs.samples import empty
 
@@ -87,7 +86,9 @@ class VariationalSampler(PickingSampler):
     def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
         """Return a local device, ready to run the ansatz."""
 
-    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+    def connect(
+        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
+    ) -> Any:
         """Return a remote device that can hold so many qubits; nothing is billed.
 
         For SDKs whose `check` ever says that a device is remote.
@@ -115,7 +116,7 @@ class VariationalSampler(PickingSampler):
         bqm
             Any binary quadratic model.
         **parameters
-            As of `Options`; those of a remote job's life are in `qrobot.jobs.Options`.
+            As of `Options`; those of a remote job's life are in `qrobot.jobs.JobOptions`.
 
         Raises
         ------
@@ -124,11 +125,11 @@ class VariationalSampler(PickingSampler):
         BackendError
             When the model does not fit, would cost too much, or the device fails.
         """
-        options, own, life = self._asked(parameters)
+        options, own, job_options = self._asked(parameters)
         if not self.check(bqm.num_variables, options, own) and bqm.num_variables:
-            return self._sample_remotely(bqm, options, own, life)
-        check_budget(FREE, life.max_cost)
-        if life.dry_run:
+            return self._sample_remotely(bqm, options, own, job_options)
+        check_budget(FREE, job_options.max_cost)
+        if job_options.dry_run:
             return _estimated(bqm, FREE)
         if not bqm.num_variables:
             return constant_samples(bqm, int(options.num_reads))
@@ -157,21 +158,25 @@ class VariationalSampler(PickingSampler):
         InputError, BackendError
             As `sample`, which refuses the same.
         """
-        options, own, life = self._asked(parameters)
+        options, own, job_options = self._asked(parameters)
         check_finite(bqm)
         if self.check(bqm.num_variables, options, own) or not bqm.num_variables:
             return FREE
-        _, _, estimate = self._prepared(bqm, options, own, life)
+        _, _, estimate = self._prepared(bqm, options, own, job_options)
         return estimate
 
-    def _asked(self, parameters: dict[str, Any]) -> tuple[Options, dict[str, Any], Life]:
+    def _asked(self, parameters: dict[str, Any]) -> tuple[Options, dict[str, Any], JobOptions]:
         """Return the options of the search, of the SDK and of a remote job."""
         check_parameters(self, parameters)
         own = {name: parameters.pop(name) for name in self.own if name in parameters}
-        life = Life.take_from(parameters)
+        job_options = JobOptions.take_from(parameters)
         if self.algorithm == "qaoa":
             parameters["ansatz"] = "qaoa"
-        return Options(**parameters, interrupt_function=life.interrupt_function), own, life
+        return (
+            Options(**parameters, interrupt_function=job_options.interrupt_function),
+            own,
+            job_options,
+        )
 
     def _search(self, bqm: Any, options: Options) -> tuple[Search, int]:
         seed = _fresh() if options.seed is None else int(options.seed)
@@ -210,23 +215,23 @@ class VariationalSampler(PickingSampler):
         )
 
     def _prepared(
-        self, bqm: Any, options: Options, own: dict[str, Any], life: Life
+        self, bqm: Any, options: Options, own: dict[str, Any], job_options: JobOptions
     ) -> tuple[tuple[Search, int], RemoteEngine, Estimate]:
         """Return the search, the machine and what both together would cost at most."""
         qubits, trains = bqm.num_variables, options.evaluations != 0
         if trains and options.train != "device":
             _room_to_train(qubits)
-        machine = self.connect(qubits, options, own, life)
+        machine = self.connect(qubits, options, own, job_options)
         resources.require(32 * qubits**2, f"the couplings of {qubits} qubits")
         search, seed = self._search(bqm, options)
         # A machine may be asked for what circuits are made for, so this is a call to a service.
         engine = with_retries(
             lambda: self.remote_engine(machine, search.ansatz, options, own),
             what=f"backend {self.name}",
-            backoff=life.backoff,
-            stop=life.interrupt_function,
+            backoff=job_options.backoff,
+            stop=job_options.interrupt_function,
         )
-        engine.begin(self.name, bqm, life)
+        engine.begin(self.name, bqm, job_options)
         estimate = engine.cost(int(options.num_reads))
         if trains and options.train == "device":
             runs = search.measured()
@@ -235,13 +240,13 @@ class VariationalSampler(PickingSampler):
         return (search, seed), engine, estimate
 
     def _sample_remotely(
-        self, bqm: Any, options: Options, own: dict[str, Any], life: Life
+        self, bqm: Any, options: Options, own: dict[str, Any], job_options: JobOptions
     ) -> dimod.SampleSet:
         clock = [time.perf_counter()]
-        (search, seed), engine, estimate = self._prepared(bqm, options, own, life)
-        if life.dry_run:
+        (search, seed), engine, estimate = self._prepared(bqm, options, own, job_options)
+        if job_options.dry_run:
             return _estimated(bqm, estimate)
-        check_budget(estimate, life.max_cost)
+        check_budget(estimate, job_options.max_cost)
         here = options.train == "device" or options.evaluations == 0
         trainer = engine if here else _trainer(search.ansatz)
         clock.append(time.perf_counter())

@@ -15,8 +15,7 @@ from qrobot.backends.gate.engine import Engine
 from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.remote import RemoteEngine
 from qrobot.errors import InputError
-from qrobot.jobs import Estimate, redact_data, with_retries
-from qrobot.jobs import Options as Life
+from qrobot.jobs import Estimate, JobOptions, redact_data, with_retries
 
 __all__ = ["LOCAL", "PluginEngine", "admitted", "is_local", "limited"]
 
@@ -48,7 +47,7 @@ class PluginEngine(RemoteEngine):
 
     title = "PennyLane's device"
 
-    def __init__(self, circuit: Circuit, name: str, make: Callable[[Life], Engine]) -> None:
+    def __init__(self, circuit: Circuit, name: str, make: Callable[[JobOptions], Engine]) -> None:
         super().__init__(circuit)
         self._make = make
         self._device: Engine | None = None
@@ -61,20 +60,20 @@ class PluginEngine(RemoteEngine):
             None, None, "PennyLane's plugins tell no price; the backends braket-* and qiskit-* do"
         )
 
-    def run(self, angles: Floats, shots: int, life: Life) -> dimod.SampleSet:
+    def run(self, angles: Floats, shots: int, job_options: JobOptions) -> dimod.SampleSet:
         """Run the circuit and wait for it."""
         self.executions += 1
         if self._device is None:
-            self._device = self._make(life)
+            self._device = self._make(job_options)
         bits = self._device.samples(angles, shots, 0)
         values = bits if self.bqm.vartype is dimod.BINARY else 2 * bits - 1
-        info = redact_data((life.context or {}).get("info", {}))
+        info = redact_data((job_options.context or {}).get("info", {}))
         return dimod.SampleSet.from_samples_bqm(
             (values, list(self.bqm.variables)), self.bqm, info=info
         )
 
 
-def admitted(device: Any, options: Mapping[str, Any], life: Life) -> Any:
+def admitted(device: Any, options: Mapping[str, Any], job_options: JobOptions) -> Any:
     """Return a remote device that may be asked; nothing is asked yet.
 
     Raises
@@ -86,20 +85,20 @@ def admitted(device: Any, options: Mapping[str, Any], life: Life) -> Any:
     CredentialsError
         When there are no credentials.
     """
-    if not life.wait:
+    if not job_options.wait:
         raise InputError(
             "PennyLane waits for its devices", field="wait", mend="use a backend braket-*"
         )
     if device == "braket.aws.qubit":
         arn_of(str(options.get("device_arn", "")))
         if options.get("aws_session") is None:
-            with_retries(check_credentials, what=TITLE, backoff=life.backoff)
+            with_retries(check_credentials, what=TITLE, backoff=job_options.backoff)
     return device
 
 
-def limited(name: str, options: Options, life: Life) -> dict[str, Any]:
+def limited(name: str, options: Options, job_options: JobOptions) -> dict[str, Any]:
     """Return the options of a device, with the timeout where it takes one."""
     given = dict(options.device_options)
-    if name == "braket.aws.qubit" and life.timeout is not None:
-        given.setdefault("poll_timeout_seconds", life.timeout)
+    if name == "braket.aws.qubit" and job_options.timeout is not None:
+        given.setdefault("poll_timeout_seconds", job_options.timeout)
     return given

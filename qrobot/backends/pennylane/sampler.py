@@ -21,7 +21,7 @@ from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.pennylane.remote import PluginEngine, admitted, is_local, limited
 from qrobot.backends.sampler import Parameter
 from qrobot.errors import InputError, MissingExtraError
-from qrobot.jobs import Options as Life
+from qrobot.jobs import JobOptions
 
 __all__ = ["PennyLaneQAOA", "PennyLaneVQE", "hamiltonian"]
 
@@ -229,12 +229,14 @@ class _PennyLane(VariationalSampler):
             return _Exact(circuit, name, device, own.get("diff_method"))
         return _Shots(circuit, name, device)
 
-    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+    def connect(
+        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
+    ) -> Any:
         """Return a remote device's name, or the object that it is."""
         del qubits, own  # the device's own limits are told by the device
         if isinstance(options.device, str):
             _installed(options.device)
-        return admitted(options.device, options.device_options, life)
+        return admitted(options.device, options.device_options, job_options)
 
     def remote_engine(
         self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
@@ -244,10 +246,10 @@ class _PennyLane(VariationalSampler):
         circuit = ansatz.circuit
         name = machine if isinstance(machine, str) else type(machine).__name__
 
-        def make(life: Life) -> Engine:
+        def make(job_options: JobOptions) -> Engine:
             device = machine
             if isinstance(machine, str):
-                device = _made(machine, circuit.qubits, limited(machine, options, life))
+                device = _made(machine, circuit.qubits, limited(machine, options, job_options))
             return _Shots(circuit, name, device)
 
         return PluginEngine(circuit, name, make)

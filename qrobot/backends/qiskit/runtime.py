@@ -16,7 +16,7 @@ from qrobot.backends.gate.remote import JobEngine
 from qrobot.backends.qiskit.account import TITLE, machine
 from qrobot.backends.qiskit.jobs import RuntimeJobs
 from qrobot.errors import BackendError, InputError
-from qrobot.jobs import Estimate, Options, by_time, price
+from qrobot.jobs import Estimate, JobOptions, by_time, price
 from qrobot.jobs.cost import price_source
 
 __all__ = [
@@ -138,10 +138,10 @@ class RuntimeEngine(JobEngine):
             sdk=getattr(self._target, "service", None),
         )
 
-    def run(self, angles: Floats, shots: int, life: Options) -> Any:
+    def run(self, angles: Floats, shots: int, job_options: JobOptions) -> Any:
         """Submit one job; a simulated one dies with this process, so it is always waited for."""
-        waits = life.wait or is_simulated(self._target)
-        return super().run(angles, shots, replace(life, wait=waits))
+        waits = job_options.wait or is_simulated(self._target)
+        return super().run(angles, shots, replace(job_options, wait=waits))
 
     def cost(self, shots: int, runs: int = 1) -> Estimate:
         """Return what jobs of this circuit would cost, by the seconds of the machine."""
@@ -164,7 +164,7 @@ class RuntimeEngine(JobEngine):
         return by_time(seconds, price("ibm-second"), "QPU time", note)
 
 
-def open_mode(device: Any, mode: Any, qubits: int, life: Options) -> Any:
+def open_mode(device: Any, mode: Any, qubits: int, job_options: JobOptions) -> Any:
     """Return a backend, session or batch with enough qubits.
 
     Parameters
@@ -175,7 +175,7 @@ def open_mode(device: Any, mode: Any, qubits: int, life: Options) -> Any:
         A backend, session or batch.
     qubits
         That it must have.
-    life
+    job_options
         Limits of the calls.
 
     Raises
@@ -188,7 +188,9 @@ def open_mode(device: Any, mode: Any, qubits: int, life: Options) -> Any:
     _runtime()
     if mode is None:
         name = str(device).partition(":")[2]
-        mode = machine(name, qubits, backoff=life.backoff, stop=life.interrupt_function)
+        mode = machine(
+            name, qubits, backoff=job_options.backoff, stop=job_options.interrupt_function
+        )
     check_fit(backend_of(mode), qubits)
     return mode
 

@@ -30,7 +30,7 @@ from qrobot.backends.qiskit.runtime import (
 )
 from qrobot.backends.sampler import Parameter
 from qrobot.errors import BackendError, InputError
-from qrobot.jobs import Options as Life
+from qrobot.jobs import JobOptions
 
 __all__ = ["QiskitQAOA", "QiskitVQE", "circuit_of", "sparse_pauli_op"]
 
@@ -278,9 +278,11 @@ class _Qiskit(VariationalSampler):
         made.facts.setdefault("device", str(_device(options)))
         return made
 
-    def connect(self, qubits: int, options: Options, own: dict[str, Any], life: Life) -> Any:
+    def connect(
+        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
+    ) -> Any:
         """Return the mode that jobs run in; its backend holds the model."""
-        return open_mode(options.device, own.get("mode"), qubits, life)
+        return open_mode(options.device, own.get("mode"), qubits, job_options)
 
     def remote_engine(
         self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
