@@ -78,7 +78,11 @@ COMMANDS = [
     Command("health --schema", states="few"),
     Command("health numpy --no-system -o h.json --junit h.xml", ("h.json", "h.xml"), states="few"),
     Command("image seed card --hostname robot-1 --user mira --key key.pub", ("card/user-data",)),
-    Command("reproduce figure4 -o figures", ("figures/reproduce.json",), code=None, states="few"),
+    Command(
+        "reproduce table2 --rows 2 --quick --reads 20 -o rows",
+        ("rows/reproduce.json",),
+        states="few",
+    ),
     Command("--help"),
     Command("--version", states="few"),
     Command("solve --help", states="few"),
