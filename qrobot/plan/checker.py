@@ -94,7 +94,7 @@ class CheckReport:
 
     def __str__(self) -> str:
         if self.ok:
-            return f"right: {self.trips} trips, {self.stops} stops, distance {self.distance:g}"
+            return f"right: {self.trips} trips, {self.stops} stops, distance {self.distance:.12g}"
         return "\n".join(f"{p.kind}: {p.text}" for p in self.problems)
 
     def to_dict(self) -> dict[str, Any]:
@@ -226,7 +226,7 @@ def _trip(
     elif robot is not None and trip.seconds and not _agree(trip.seconds, length / robot.speed):
         yield Problem(
             "time",
-            f"trip {number} states {trip.seconds!r} s, at {robot.speed:g} m/s it takes "
+            f"trip {number} states {trip.seconds!r} s, at {robot.speed:.12g} m/s it takes "
             f"{length / robot.speed!r} s",
         )
 

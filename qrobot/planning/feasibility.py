@@ -34,7 +34,7 @@ def _reason(instance: Instance) -> str | None:
         if weight > largest:
             too_heavy[weight].append(order.id)
     if too_heavy:
-        room = f"no robot holds more than {float(max(r.capacity for r in instance.robots)):g}"
+        room = f"no robot holds more than {float(max(r.capacity for r in instance.robots)):.12g}"
         parts = [
             _weighs(instance, ids, float(weight * unit))
             for weight, ids in sorted(too_heavy.items(), reverse=True)[:MOST_NAMED]
@@ -45,13 +45,13 @@ def _reason(instance: Instance) -> str | None:
         return reason
     total = sum(weights)
     if total > sum(int(instance.capacities[r]) * k.trips for r, k in enumerate(instance.robots)):
-        reason = f"total load {float(total * unit):g} exceeds {_fleet(instance)}"
+        reason = f"total load {float(total * unit):.12g} exceeds {_fleet(instance)}"
         if total * unit <= sum(robot.capacity * robot.trips for robot in instance.robots):
             reason = (
-                f"total load {float(total * unit):g} does not fit: all weights are multiples of "
-                f"{float(unit):g}, so {_fleet(instance)} hold at most "
+                f"total load {float(total * unit):.12g} does not fit: all weights are multiples of "
+                f"{float(unit):.12g}, so {_fleet(instance)} hold at most "
                 + " + ".join(
-                    f"{robot.trips} x {float(int(instance.capacities[r]) * unit):g}"
+                    f"{robot.trips} x {float(int(instance.capacities[r]) * unit):.12g}"
                     for r, robot in enumerate(instance.robots)
                 )
             )
@@ -61,7 +61,7 @@ def _reason(instance: Instance) -> str | None:
     if halves > len(capacities):
         return (
             f"{halves} orders weigh more than half of the largest robot's "
-            f"{float(largest * unit):g}, so no two of them share a trip, but only "
+            f"{float(largest * unit):.12g}, so no two of them share a trip, but only "
             f"{len(capacities)} trips are possible"
         )
     return None
@@ -74,9 +74,9 @@ def _weighs(instance: Instance, ids: list[str], weight: float) -> str:
     if len(ids) > MOST_NAMED:
         shown += f" and {len(ids) - MOST_NAMED} more"
     return (
-        f"{noun} {shown} weighs {weight:g}"
+        f"{noun} {shown} weighs {weight:.12g}"
         if len(ids) == 1
-        else (f"{noun}s {shown} weigh {weight:g} each")
+        else (f"{noun}s {shown} weigh {weight:.12g} each")
     )
 
 
@@ -85,4 +85,4 @@ def _fleet(instance: Instance) -> str:
     counts: dict[float, int] = defaultdict(int)
     for robot in instance.robots:
         counts[float(robot.capacity)] += robot.trips
-    return " + ".join(f"{n} x {room:g}" for room, n in sorted(counts.items(), reverse=True))
+    return " + ".join(f"{n} x {room:.12g}" for room, n in sorted(counts.items(), reverse=True))

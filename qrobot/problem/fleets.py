@@ -35,6 +35,12 @@ def fleet_of_size(robots: tuple[Robot, ...], count: int | None, orders: int) -> 
         return tuple(
             dataclasses.replace(largest, id=f"R{k + 1}", trips=1) for k in range(max(orders, 1))
         )
+    if isinstance(count, bool) or not isinstance(count, int):
+        raise InputError(
+            f"{count!r} is not a number of robots",
+            field="robots",
+            mend="give a whole number above 0, or 'free'",
+        )
     if count < 1:
         raise InputError(
             f"{count} robots are too few", field="robots", mend="give 1 or more, or 'free'"

@@ -179,6 +179,12 @@ def test_split_orders_stand_alone() -> None:
     assert not one.split
 
 
+@pytest.mark.parametrize("count", ["x", 2.5, True, 0, -1])
+def test_what_is_not_a_number_of_robots_is_refused(count: object) -> None:
+    with pytest.raises(InputError, match=r"^robots: .* give "):
+        make(Point(1, 0)).with_robots(count)
+
+
 def test_fewer_robots_are_the_first_of_those_that_there_are() -> None:
     fleet = (
         Robot("a", Fraction(5), trips=3),

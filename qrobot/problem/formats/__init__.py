@@ -6,6 +6,7 @@ import dataclasses
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import cast
 
 from qrobot._files import StrPath, path_text, write_text_atomic
 from qrobot.errors import InputError
@@ -94,7 +95,6 @@ def read(
 
 
 def _read_file(path: StrPath, options: ReadOptions, robots: int | str | None) -> Instance:
-    count = _count(robots)
     size = options.capacity
     if size is not None and size <= 0:
         raise InputError(f"{size} is not positive", field="capacity", mend="give more than 0")
@@ -109,19 +109,10 @@ def _read_file(path: StrPath, options: ReadOptions, robots: int | str | None) ->
     if size is not None:
         fleet = tuple(dataclasses.replace(r, capacity=size) for r in instance.robots)
         instance = dataclasses.replace(instance, robots=fleet)
-    return instance if robots is None else instance.with_robots(count)
-
-
-def _count(robots: int | str | None) -> int | None:
-    if robots is None or robots == "free":
-        return None
-    if isinstance(robots, bool) or not isinstance(robots, int):
-        raise InputError(
-            f"{robots!r} is not a number of robots",
-            field="robots",
-            mend="give a whole number above 0, or 'free'",
-        )
-    return robots
+    if robots is None:
+        return instance
+    count = None if robots == "free" else robots
+    return instance.with_robots(cast("int | None", count))  # which looks at it
 
 
 def _unknown(path: StrPath) -> InputError:

@@ -96,8 +96,8 @@ class Question:
         plans = spectrum(instance) if row.items > ENUMERATED else _enumerated(instance)
         if not (proven.is_optimal and abs(proven.cost - plans.levels[0]) < 1e-6):
             raise BackendError(
-                f"the exact planner says {proven.cost:g} for {row.items} items, counting all "
-                f"plans says {plans.levels[0]:g}"
+                f"the exact planner says {proven.cost:.12g} for {row.items} items, counting all "
+                f"plans says {plans.levels[0]:.12g}"
             )
         if model.num_variables != row.qubits:
             raise BackendError(
