@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats
 from qrobot.planning.bounds.quick import fewest_trips, most_trips, quick_bound
+from qrobot.planning.bounds.subgradient import climb
 from qrobot.problem import Instance
 
 __all__ = ["forest_bound"]
@@ -56,26 +57,24 @@ def forest_bound(
     if n < 2 or n > MAX_STOPS:
         return best
     trips = np.arange(fewest_trips(instance), min(most_trips(instance), n) + 1)
-    prices = np.zeros(n)
-    width, stale = 1.0, 0
-    for _ in range(rounds):
-        if stop():
-            break
+
+    def relaxed(prices: Floats) -> tuple[float, Floats] | None:
         tree = _spanning_tree(d[1:, 1:] + prices[:, None] + prices[None, :], stop)
         if tree is None:
-            break
+            return None
         bound, degrees = _cheapest_forest(d, prices, trips, *tree)
-        if bound > best * (1 + 1e-9):
-            best, stale = bound, 0
-        elif (stale := stale + 1) == 10:
-            width, stale = width / 2, 0
-        slope = degrees - 2.0
-        length = float(slope @ slope)
-        if length < 1e-12 or width < 1e-4:
-            break
-        prices = prices + width * max(upper - bound, 1e-3 * upper) / length * slope
-    # Prices were summed in floating point; a relative 1e-9 covers every rounding.
-    return best * (1 - 1e-9)
+        return bound, degrees - 2.0
+
+    return climb(
+        relaxed,
+        np.zeros(n),
+        best=best,
+        upper=upper,
+        stop=stop,
+        rounds=rounds,
+        stale_rounds=10,
+        narrowest=1e-4,
+    )
 
 
 def _cheapest_forest(

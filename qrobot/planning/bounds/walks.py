@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats
 from qrobot.planning.bounds.quick import fewest_trips, most_trips, quick_bound, shortest_ways
+from qrobot.planning.bounds.subgradient import climb
 from qrobot.problem import Instance
 
 __all__ = ["walk_bound"]
@@ -70,27 +71,25 @@ def walk_bound(
     fewest, most = fewest_trips(instance), most_trips(instance)
     # Start where every walk out to its farthest stop pays for itself.
     prices = (d[0, 1:] + d[1:, 0]) * loads / max(capacity // step, 1)
-    width, stale = 1.0, 0
-    for _ in range(rounds):
-        if stop():
-            break
+
+    def relaxed(prices: Floats) -> tuple[float, Floats] | None:
         found = _cheapest_walk(d, loads, capacity // step, prices, stop)
         if found is None:
-            break
+            return None
         cost, visits = found
         trips = most if cost < 0 else fewest
-        bound = float(prices.sum()) + trips * cost
-        if bound > best * (1 + 1e-9):
-            best, stale = bound, 0
-        elif (stale := stale + 1) == 8:
-            width, stale = width / 2, 0
-        slope = 1.0 - trips * visits
-        length = float(slope @ slope)
-        if length < 1e-12 or width < 1e-3:
-            break
-        prices = prices + width * max(upper - bound, 1e-3 * upper) / length * slope
-    # Prices were summed in floating point; a relative 1e-9 covers every rounding.
-    return best * (1 - 1e-9)
+        return float(prices.sum()) + trips * cost, 1.0 - trips * visits
+
+    return climb(
+        relaxed,
+        prices,
+        best=best,
+        upper=upper,
+        stop=stop,
+        rounds=rounds,
+        stale_rounds=8,
+        narrowest=1e-3,
+    )
 
 
 def load_steps(instance: Instance) -> int:
