@@ -44,6 +44,10 @@ class Capabilities:
     control
         Whether a planner tells of as many random plans beside its own reads; a sampler's are
         drawn for it.
+    objectives
+        What a planner makes small when robots are charged differently: names of objectives, or
+        ``sum`` for all of that form; its `search` then takes `objective`. When robots are
+        charged the same, a shortest plan is a cheapest one, and every backend will do.
     """
 
     kind: Literal["sampler", "planner"]
@@ -54,6 +58,7 @@ class Capabilities:
     max_size: int | None = None
     extra: str | None = None
     control: bool = False
+    objectives: tuple[str, ...] = ("distance",)
 
 
 class Stop:
@@ -124,10 +129,10 @@ class Search:
     routes
         The best routes, or ``None`` when none was found.
     bound
-        A valid lower bound of the distance (0 when nothing is known).
+        A valid lower bound of the cost: of the distance, unless `search` was given another
+        objective (0 when nothing is known).
     optimal
-        True when the routes are proven to be of least distance, and of fewest trips among
-        those.
+        True when the routes are proven to be of least cost, and of fewest trips among those.
     infeasible
         A proven reason why no plan exists, or ``None``.
     work
@@ -178,6 +183,9 @@ class Planner(Protocol):
             Feasible routes to start from, when some are known.
         on_best
             Told of every better feasible plan, so that an interrupted run loses nothing.
+
+        A planner that declares more `Capabilities.objectives` than the distance also takes
+        ``objective``, the `Objective` to make small where robots are charged differently.
 
         Raises
         ------

@@ -40,7 +40,11 @@ class ProgressLine:
         clock = time.perf_counter() - self.begun
         if self.latest is None:
             return f"{clock:5.1f} s  starting"
-        cost = "no plan yet" if self.latest.cost is None else f"distance {number(self.latest.cost)}"
+        cost = (
+            "no plan yet"
+            if self.latest.cost is None
+            else f"{self.latest.objective} {number(self.latest.cost)}"
+        )
         bound = f", bound {number(self.latest.bound)}" if self.latest.bound > 0 else ""
         return f"{clock:5.1f} s  {self.latest.step}: {cost}{bound}"
 

@@ -33,6 +33,12 @@ __all__ = ["command"]
     help="Seconds until the best plan so far is taken.  [default: 10]",
 )
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
+@click.option(
+    "--objective",
+    default="distance",
+    show_default=True,
+    help="What shall be small: distance, or time (seconds of all robots: driving and picks).",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of every random choice.")
 @click.option(
     "--robots", type=Robots(), help="The first N robots (or more like them), or 'free': no limit."
@@ -79,6 +85,7 @@ def command(
     backend: str,
     deadline: float | None,
     max_work: int | None,
+    objective: str,
     seed: int,
     robots: int | str | None,
     capacity: str | None,
@@ -111,6 +118,7 @@ def command(
       qrobot solve example
       qrobot solve examples/small-warehouse.json
       qrobot solve examples/small-warehouse.json -t 5 -o plan.json -p plan.svg -p plan.png
+      qrobot solve examples/small-warehouse.json --objective time
       qrobot solve examples/orders.csv --layout examples/layout.json
       qrobot solve examples/paper-7-items.json --backend neal --control
       qrobot solve X-n101-k25.vrp --robots free --deadline 30
@@ -168,6 +176,7 @@ def command(
                     control=control,
                     max_cost=max_cost,
                     fallback=fallback,
+                    objective=objective,
                     stop=stop,
                     on_progress=line,
                     **options,

@@ -2,6 +2,18 @@
 
 from qrobot.plan.checker import CheckReport, Problem
 from qrobot.plan.files import check, plan_of, read_plan
+from qrobot.plan.objective import OBJECTIVES, Objective
 from qrobot.plan.plan import PLAN_SCHEMA, Plan, Trip
 
-__all__ = ["PLAN_SCHEMA", "CheckReport", "Plan", "Problem", "Trip", "check", "plan_of", "read_plan"]
+__all__ = [
+    "OBJECTIVES",
+    "PLAN_SCHEMA",
+    "CheckReport",
+    "Objective",
+    "Plan",
+    "Problem",
+    "Trip",
+    "check",
+    "plan_of",
+    "read_plan",
+]

@@ -16,11 +16,11 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, Literal
 
+from qrobot.plan.objective import OBJECTIVES
 from qrobot.plan.plan import Plan, Trip
 from qrobot.plan.ruler import Ruler
-from qrobot.problem.entities import Robot
+from qrobot.problem.entities import Item, Robot
 from qrobot.problem.instance import Instance
-from qrobot.problem.warehouse import Place
 
 __all__ = ["CheckReport", "Problem", "check"]
 
@@ -42,6 +42,7 @@ Kind = Literal[
     "distance",
     "time",
     "total",
+    "cost",
 ]
 
 
@@ -56,7 +57,7 @@ class Problem:
         with the stops; ``split`` orders; ``overload``; a wrong ``load`` or ``distance``;
         an unknown ``robot``; too many ``turns`` of one; an ``empty`` trip; an
         ``unreachable`` stop (a way that does not exist); a wrong driving ``time``; a wrong
-        ``total``.
+        ``total``, or ``cost`` by the objective.
     text
         One sentence with the numbers.
     """
@@ -80,12 +81,16 @@ class CheckReport:
         How much was checked.
     distance
         The total distance that the checker measured; ``nan`` when it could not.
+    objective, cost
+        The plan's objective, and its value by the checker's own distances.
     """
 
     problems: tuple[Problem, ...]
     trips: int = 0
     stops: int = 0
     distance: float = math.nan
+    objective: str = "distance"
+    cost: float = math.nan
 
     @property
     def ok(self) -> bool:
@@ -94,7 +99,12 @@ class CheckReport:
 
     def __str__(self) -> str:
         if self.ok:
-            return f"right: {self.trips} trips, {self.stops} stops, distance {self.distance:.12g}"
+            text = f"right: {self.trips} trips, {self.stops} stops, distance {self.distance:.12g}"
+            return (
+                text
+                if self.objective == "distance"
+                else f"{text}, {self.objective} {self.cost:.12g}"
+            )
         return "\n".join(f"{p.kind}: {p.text}" for p in self.problems)
 
     def to_dict(self) -> dict[str, Any]:
@@ -104,6 +114,8 @@ class CheckReport:
             "trips": self.trips,
             "stops": self.stops,
             "distance": self.distance if math.isfinite(self.distance) else None,
+            "objective": self.objective,
+            "cost": self.cost if math.isfinite(self.cost) else None,
             "problems": [{"kind": p.kind, "text": p.text} for p in self.problems],
         }
 
@@ -125,34 +137,43 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         Every item is collected once; whole orders are on one trip, and those listed agree
         with the stops; no load exceeds its robot's capacity (exact fractions); robots are
         known and make no more trips than they may; no trip is empty; loads, driving times,
-        the distance of every trip and the total are stated right (relative tolerance
-        1e-6); every way exists. A driving time of 0 counts as not stated.
+        the distance of every trip, the total and the cost by the plan's objective are stated
+        right (relative tolerance 1e-6); every way exists. A driving time of 0 counts as not stated.
     """
     problems = [*_items(plan, instance), *_orders(plan, instance), *_robots(plan, instance)]
     robots = {robot.id: robot for robot in instance.robots}
-    weights = {item.id: item.weight for item in instance.items}
-    places = {item.id: item.place for item in instance.items}
+    items = {item.id: item for item in instance.items}
     ruler = Ruler(instance.warehouse)
-    total = 0.0
+    objective = OBJECTIVES[plan.objective]
+    total = cost = 0.0
     for number, trip in enumerate(plan.trips, 1):
-        stops = [stop for stop in trip.stops if stop in places]  # the others are told above
-        load = sum((weights[stop] for stop in stops), Fraction(0))
-        length = ruler.trip(places[stop] for stop in stops)
+        stops = [stop for stop in trip.stops if stop in items]  # the others are told above
+        load = sum((items[stop].weight for stop in stops), Fraction(0))
+        length = ruler.trip(items[stop].place for stop in stops)
         total += length
-        problems += _trip(number, trip, load, length, robots.get(trip.robot))
+        robot = robots.get(trip.robot)
+        picked = [items[stop] for stop in stops]
+        cost += math.nan if robot is None else objective.trip(length, robot, picked)
+        problems += _trip(number, trip, load, length, robot)
         if math.isinf(length):
-            problems += _forbidden(number, stops, places, ruler)
+            problems += _forbidden(number, [items[stop] for stop in stops], ruler)
     if math.isfinite(total) and not _agree(plan.distance, total):
         problems.append(
             Problem(
                 "total", f"the plan states a total distance of {plan.distance!r}, it is {total!r}"
             )
         )
+    if plan.value is not None and math.isfinite(cost) and not _agree(plan.value, cost):
+        problems.append(
+            Problem("cost", f"the plan states a {plan.objective} of {plan.value!r}, it is {cost!r}")
+        )
     return CheckReport(
         problems=tuple(problems),
         trips=len(plan.trips),
         stops=sum(len(trip.stops) for trip in plan.trips),
         distance=total,
+        objective=plan.objective,
+        cost=cost,
     )
 
 
@@ -231,12 +252,10 @@ def _trip(
         )
 
 
-def _forbidden(
-    number: int, stops: Sequence[str], places: dict[str, Place], ruler: Ruler
-) -> Iterator[Problem]:
+def _forbidden(number: int, stops: Sequence[Item], ruler: Ruler) -> Iterator[Problem]:
     """Name the ways of a trip that do not exist."""
-    names = ["depot", *stops, "depot"]
-    corners = [None, *(places[stop] for stop in stops), None]
+    names = ["depot", *(item.id for item in stops), "depot"]
+    corners = [None, *(item.place for item in stops), None]
     missing = [
         f"from {a} to {b}"
         for (a, b), (start, end) in zip(pairwise(names), pairwise(corners), strict=True)

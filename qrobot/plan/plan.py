@@ -12,6 +12,9 @@ from typing import Any, TypeVar
 from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
 from qrobot.errors import InputError
+from qrobot.plan.assignment import assign, cost
+from qrobot.plan.objective import DISTANCE, Objective, objective_named
+from qrobot.problem.entities import Robot
 from qrobot.problem.instance import Instance
 from qrobot.problem.names import canonical
 
@@ -72,12 +75,23 @@ class Plan:
         Name of the instance.
     split
         Whether orders were allowed to be split (each item stood alone).
+    objective
+        Name of the objective that it was made for.
+    value
+        What it costs by that objective; ``None``: its distance.
     """
 
     trips: tuple[Trip, ...]
     distance: float
     instance: str = "instance"
     split: bool = False
+    objective: str = "distance"
+    value: float | None = None
+
+    @property
+    def cost(self) -> float:
+        """What the plan costs by its objective."""
+        return self.distance if self.value is None else self.value
 
     def __repr__(self) -> str:
         return f"<Plan of {self._headline()}>"
@@ -108,7 +122,12 @@ class Plan:
         ]
 
     @classmethod
-    def from_routes(cls, instance: Instance, routes: Sequence[Sequence[int]]) -> Plan:
+    def from_routes(
+        cls,
+        instance: Instance,
+        routes: Sequence[Sequence[int]],
+        objective: Objective = DISTANCE,
+    ) -> Plan:
         """Make a plan from routes of nodes.
 
         Parameters
@@ -118,47 +137,29 @@ class Plan:
         routes
             For each trip its nodes (item index + 1) in sequence; empty ones are dropped.
             The heaviest load goes to the largest robot, at equal capacity in the robots'
-            sequence, longest trip first.
+            sequence, longest trip first; where the objective charges robots differently,
+            every trip to the robot at which all together cost least.
+        objective
+            What the plan costs.
         """
-        drawn = []
-        for route in routes:
-            if not len(route):
-                continue
-            nodes = [int(v) for v in route]
-            load = int(sum(instance.weights[v - 1] for v in nodes))
-            drawn.append((load, instance.route_length(nodes), nodes))
-        seats = [
-            (int(capacity), r, turn)
-            for r, (robot, capacity) in enumerate(
-                zip(instance.robots, instance.capacities, strict=True)
-            )
-            for turn in range(min(robot.trips, len(drawn) or 1))
+        kept = [[int(v) for v in route] for route in routes if len(route)]
+        seats = (
+            _by_load(instance, kept)
+            if objective.common_rate(instance) is not None
+            else assign(instance, kept, objective)
+        )
+        trips = [
+            (seat, _trip(instance, route, instance.robots[seat[0]]))
+            for seat, route in zip(seats, kept, strict=True)
         ]
-        if len(drawn) > len(seats):
-            raise ValueError(f"{len(drawn)} trips for {len(seats)} robots")
-        # Different robots before second turns, as long as capacities agree.
-        seats.sort(key=lambda s: (-s[0], s[2], s[1]))
-        uniform = len(set(instance.capacities.tolist())) == 1
-        drawn.sort(key=lambda t: (-t[1], t[2]) if uniform else (-t[0], -t[1], t[2]))
-        trips = []
-        for (_, r, turn), (load, length, nodes) in zip(seats, drawn, strict=False):
-            robot = instance.robots[r]
-            orders = dict.fromkeys(instance.orders[instance.order_of_node[v]].id for v in nodes)
-            trip = Trip(
-                robot=robot.id,
-                orders=tuple(orders),
-                stops=tuple(instance.items[v - 1].id for v in nodes),
-                distance=length,
-                load=float(load * instance.unit),
-                seconds=length / robot.speed,
-            )
-            trips.append((r, turn, trip))
-        trips.sort(key=lambda t: t[:2])
+        trips.sort(key=lambda t: t[0])
         return cls(
-            trips=tuple(t for *_, t in trips),
-            distance=float(sum(t.distance for *_, t in trips)),
+            trips=tuple(trip for _, trip in trips),
+            distance=float(sum(trip.distance for _, trip in trips)),
             instance=instance.name,
             split=instance.split,
+            objective=objective.name,
+            value=None if objective is DISTANCE else cost(instance, kept, objective),
         )
 
     def routes(self, instance: Instance) -> list[list[int]]:
@@ -178,6 +179,8 @@ class Plan:
             "instance": self.instance,
             "split_orders": self.split,
             "distance": self.distance,
+            "objective": self.objective,
+            "cost": self.cost,
             "trips": [
                 {
                     "robot": t.robot,
@@ -223,12 +226,56 @@ class Plan:
                     seconds=trip.take("seconds", _number, 0.0),
                 )
             )
+        objective = objective_named(top.take("objective", _text, "distance")).name
+        distance = top.take("distance", _number)
+        value = top.take("cost", _number, distance if objective == "distance" else None)
         return cls(
             trips=tuple(trips),
-            distance=top.take("distance", _number),
+            distance=distance,
             instance=top.take("instance", _text, "instance"),
             split=top.take("split_orders", _flag, False),
+            objective=objective,
+            value=None if objective == "distance" and value == distance else value,
         )
+
+
+def _by_load(instance: Instance, routes: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
+    """Return robot and turn of each route: the heaviest to the largest, else the longest first."""
+    loads = [sum(int(instance.weights[v - 1]) for v in route) for route in routes]
+    seats = [
+        (int(capacity), r, turn)
+        for r, (robot, capacity) in enumerate(
+            zip(instance.robots, instance.capacities, strict=True)
+        )
+        for turn in range(min(robot.trips, len(routes) or 1))
+    ]
+    if len(routes) > len(seats):
+        raise ValueError(f"{len(routes)} trips for {len(seats)} robots")
+    # Different robots before second turns, as long as capacities agree.
+    seats.sort(key=lambda s: (-s[0], s[2], s[1]))
+    uniform = len(set(instance.capacities.tolist())) == 1
+
+    def rank(i: int) -> tuple[float, float, Sequence[int]]:
+        return (0 if uniform else -loads[i], -instance.route_length(routes[i]), routes[i])
+
+    chosen = [(0, 0)] * len(routes)
+    for i, (_, r, turn) in zip(sorted(range(len(routes)), key=rank), seats, strict=False):
+        chosen[i] = r, turn
+    return chosen
+
+
+def _trip(instance: Instance, nodes: Sequence[int], robot: Robot) -> Trip:
+    length = instance.route_length(nodes)
+    orders = dict.fromkeys(instance.orders[instance.order_of_node[v]].id for v in nodes)
+    load = int(sum(instance.weights[v - 1] for v in nodes))
+    return Trip(
+        robot=robot.id,
+        orders=tuple(orders),
+        stops=tuple(instance.items[v - 1].id for v in nodes),
+        distance=length,
+        load=float(load * instance.unit),
+        seconds=length / robot.speed,
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ ARGUMENTS: Mapping[str, Parameter] = {
     "control": Parameter("flag", optional=False),
     "max_cost": Parameter("number", 0),
     "fallback": Parameter("text"),
+    "objective": Parameter("text", optional=False),
     "stop": Parameter("object", also=(Stop,)),
     "on_progress": Parameter("function"),
 }

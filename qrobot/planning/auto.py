@@ -52,19 +52,24 @@ class AutoPlanner(Strategy):
     """The best plan that the installed software and the deadline allow."""
 
     name = "auto"
-    capabilities = Capabilities(kind="planner", proves=True)
+    capabilities = Capabilities(kind="planner", proves=True, objectives=("sum",))
 
     def plan(self, run: Run) -> None:
         """Prove what is small, search and prove what can be enumerated, search the rest."""
-        exact = ExactPlanner()
+        exact, few = ExactPlanner(), len(run.instance.orders) <= MAX_ELEMENTS
         if exact.at_once(run.instance):
             run.plan(exact, run.stop)
         search = choose_search(run.instance)
-        few = len(run.instance.orders) <= MAX_ELEMENTS
-        if not run.finished and exact.fits(run.instance) and (few or _has_cp_sat()):
+        proves = few or (run.by_distance and _has_cp_sat())
+        if not run.finished and exact.fits(run.instance) and proves:
             # A first plan tells the set partition which trips cannot be part of a better one.
             run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
             run.plan(exact, _proving(run.stop))
+        if not (run.finished or run.by_distance or run.takes_objective(search)):
+            run.notes.append(
+                f"no search takes account of {run.objective.name} here: short plans were sought, "
+                "their trips dealt to the robots at the least cost"
+            )
         if not run.finished:
             _begin(run)
         if not run.finished and not run.stop():
@@ -106,7 +111,7 @@ def _search_on(run: Run, search: Planner) -> None:
 @contextmanager
 def _helpers(run: Run, search: Planner, seconds: float) -> Iterator[Crew | None]:
     """Let the other cores search too while the block runs, where it is worth their start."""
-    long = HELPED_SECONDS <= seconds < math.inf
+    long = HELPED_SECONDS <= seconds < math.inf and run.by_distance
     helpers = spare_cores() if long and run.stop.max_work is None else 0
     if not helpers:
         yield None

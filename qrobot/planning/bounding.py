@@ -56,10 +56,10 @@ def begin_bound(run: Run) -> None:
         stop = run.stop.within(EARLY_SHARE * run.stop.remaining)
         pairs = len(instance.stops) ** 2
         rounds = min(FOREST_ROUNDS, int(FOREST_CELLS / pairs))
-        run.raise_bound(forest_bound(instance, run.cost, _Paced(stop), rounds))
+        run.raise_bound(forest_bound(instance, run.length, _Paced(stop), rounds))
         steps = load_steps(instance)
         rounds = min(WALK_ROUNDS, int(WALK_CELLS / (steps * pairs)), WALK_STEPS // steps)
-        run.raise_bound(walk_bound(instance, run.cost, _Paced(stop), rounds))
+        run.raise_bound(walk_bound(instance, run.length, _Paced(stop), rounds))
     run.tell()
 
 
@@ -73,7 +73,7 @@ def time_to_search(run: Run) -> Stop:
         # How long the check of such a plan takes here and now.
         routes = run.routes or run.instance.first_routes() or []
         begun = time.perf_counter()
-        check(Plan.from_routes(run.instance, routes), run.instance)
+        check(Plan.from_routes(run.instance, routes, run.objective), run.instance)
         run.check_seconds = CHECKS * (time.perf_counter() - begun)
         kept += run.check_seconds
     return run.stop.within(max(run.stop.remaining - kept, 0.0))
@@ -91,8 +91,8 @@ def bound_from_below(run: Run) -> None:
         if run.check_seconds:
             stop = stop.within(max(stop.remaining - run.check_seconds, 0.0))
         part = _Paced(stop)
-        run.raise_bound(forest_bound(run.instance, run.cost, part, FOREST_ROUNDS))
-        run.raise_bound(walk_bound(run.instance, run.cost, part, WALK_ROUNDS))
+        run.raise_bound(forest_bound(run.instance, run.length, part, FOREST_ROUNDS))
+        run.raise_bound(walk_bound(run.instance, run.length, part, WALK_ROUNDS))
 
 
 def _proved(run: Run) -> bool:
@@ -103,8 +103,12 @@ def _proved(run: Run) -> bool:
     # So few orders take a millisecond or two: worth it even when time is up.
     late = run.stop() and len(run.instance.orders) <= INSTANT
     stop = Stop(BOUND_SECONDS) if late else share_of(run.stop, 1.0, BOUND_SECONDS)
-    found = exact.search(run.instance, stop=stop, seed=run.seed)
-    run.raise_bound(found.bound)
+    objective = run.takes_objective(exact)
+    found = exact.search(run.instance, stop=stop, seed=run.seed, **objective)
+    if objective:
+        run.bound = max(run.bound, found.bound)
+    else:
+        run.raise_bound(found.bound)
     return found.optimal
 
 

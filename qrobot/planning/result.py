@@ -13,7 +13,7 @@ from qrobot._files import write_text_atomic
 from qrobot._json import json_text
 from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
-from qrobot.plan import Plan
+from qrobot.plan import OBJECTIVES, Plan
 from qrobot.plan.plan import TABLE_HEADS
 from qrobot.problem import Instance
 
@@ -144,9 +144,9 @@ class Result:
     instance, plan
         The question and the answer; the checker has accepted the plan.
     bound
-        A valid lower bound of the distance of any plan.
+        A valid lower bound of the cost of any plan.
     is_optimal
-        True only when a proof says that no plan is shorter.
+        True only when a proof says that no plan costs less.
     backend
         The backend that was asked for.
     steps
@@ -192,7 +192,7 @@ class Result:
     def _headline(self) -> str:
         return (
             f"{shown_name(self.instance.name)} by {self.answered_by}: "
-            f"distance {number(self.cost)}, {self._quality()}, {len(self.plan.trips)} trips"
+            f"{self._cost()}, {self._quality()}, {len(self.plan.trips)} trips"
         )
 
     def _repr_html_(self) -> str:
@@ -226,8 +226,20 @@ class Result:
 
     @property
     def cost(self) -> float:
-        """Total distance of the plan, metres."""
-        return self.plan.distance
+        """What the plan costs by its objective: total distance, metres, or seconds."""
+        return self.plan.cost
+
+    @property
+    def objective(self) -> str:
+        """Name of what was made small, such as ``distance``."""
+        return self.plan.objective
+
+    def _cost(self) -> str:
+        """Return the cost with its name, and the distance beside another objective."""
+        if self.objective == "distance":
+            return f"distance {number(self.cost)}"
+        unit = f" {OBJECTIVES[self.objective].unit}".rstrip()
+        return f"{self.objective} {number(self.cost)}{unit} (distance {number(self.plan.distance)})"
 
     @property
     def gap(self) -> float:
@@ -242,7 +254,7 @@ class Result:
         lines = [
             f"{self.instance.name}: {self.instance.size} items in {len(self.instance.orders)} "
             f"orders, {self.plan.robots_used} of {robots} robots used",
-            f"distance {number(self.cost)}, {self._quality()}",
+            f"{self._cost()}, {self._quality()}",
             f"{' + '.join(self.steps) or self.backend} in {self.timing.total:.2f} s, "
             f"{_ENDINGS[self.ended]}",
         ]
@@ -279,6 +291,7 @@ class Result:
         """
         data = self.plan.to_dict()
         data["result"] = {
+            "objective": self.objective,
             "cost": self.cost,
             "bound": self.bound,
             "gap": self.gap if math.isfinite(self.gap) else None,

@@ -15,6 +15,8 @@ from qrobot._arrays import Floats
 from qrobot.backends import Planner, Routes, Search, Stop
 from qrobot.backends.base import OnBest
 from qrobot.errors import BackendError, QRobotError
+from qrobot.plan.assignment import cost
+from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
 
@@ -36,15 +38,18 @@ class Progress:
     elapsed
         Seconds since the start.
     cost
-        Distance of the best plan so far, or ``None``.
+        Cost of the best plan so far, or ``None``.
     bound
         Lower bound so far.
+    objective
+        What the cost is, such as ``distance``.
     """
 
     step: str
     elapsed: float
     cost: float | None
     bound: float
+    objective: str = "distance"
 
 
 class Run:
@@ -61,7 +66,9 @@ class Run:
     listener
         Told about every new step and every better plan.
     on_best
-        Told the routes and the cost of every better plan.
+        Told the routes and their distance whenever a better plan is kept.
+    objective
+        What the plan costs.
     """
 
     def __init__(
@@ -71,12 +78,16 @@ class Run:
         seed: int,
         listener: Callable[[Progress], None] | None = None,
         on_best: OnBest | None = None,
+        objective: Objective = DISTANCE,
     ) -> None:
         self.instance = instance
+        self.objective = objective
+        # One rate for all robots: a shortest plan is a cheapest, so distances are compared.
+        self.by_distance = objective.common_rate(instance) is not None
         self.stop = stop
         self.seed = seed
         self.routes: Routes | None = None
-        self.cost = float("inf")
+        self.cost = self.length = float("inf")
         self.bound = 0.0
         self.proven = False
         self.infeasible: str | None = None
@@ -105,28 +116,41 @@ class Run:
         length = self.instance.length(kept)
         if math.isinf(length):
             return  # it takes a forbidden way
-        slack = TIE * max(abs(length), 1e-300)
-        better = self.routes is None or length < self.cost - slack
-        fewer = not better and length <= self.cost + slack and len(kept) < len(self.routes or [])
+        value = length if self.by_distance else cost(self.instance, kept, self.objective)
+        slack = TIE * max(abs(value), 1e-300)
+        better = self.routes is None or value < self.cost - slack
+        fewer = not better and value <= self.cost + slack and len(kept) < len(self.routes or [])
         if better or fewer:
-            self.routes, self.cost = kept, length
+            self.routes, self.cost, self.length = kept, value, length
             if self._on_best is not None:
                 self._on_best(kept, length)
             self.tell()
 
-    def raise_bound(self, bound: float) -> None:
-        """Keep a larger lower bound; whole distances lift it to the next whole number."""
+    def raise_bound(self, distance: float) -> None:
+        """Keep a larger bound of distances; whole distances lift it to the next whole number."""
         d = self.instance.stop_distances
         if bool((d == np.round(d)).all()):
-            bound = float(np.ceil(bound - 1e-6))
-        self.bound = max(self.bound, bound)
+            distance = float(np.ceil(distance - 1e-6))
+        if not self.by_distance:
+            distance = self.objective.bound(self.instance, distance)
+        self.bound = max(self.bound, distance)
+
+    def told(self, value: float) -> float:
+        """Return a cost or bound of this run as the objective counts."""
+        return self.objective.bound(self.instance, value) if self.by_distance else value
+
+    def takes_objective(self, planner: Planner) -> dict[str, Any]:
+        """Return the objective as an argument of `search`, where the planner must be told."""
+        able = self.objective.optimised_by(planner.capabilities.objectives)
+        return {"objective": self.objective} if able and not self.by_distance else {}
 
     def tell(self) -> None:
         """Report progress to the listener."""
         if self._listener is not None:
             step = self.steps[-1] if self.steps else "start"
-            cost = self.cost if self.routes is not None else None
-            self._listener(Progress(step, self.elapsed, cost, self.bound))
+            found = self.told(self.cost) if self.routes is not None else None
+            bound = self.told(self.bound)
+            self._listener(Progress(step, self.elapsed, found, bound, self.objective.name))
 
     def begin(self, step: str) -> None:
         """Note that a step begins; a step that goes on is named once."""
@@ -152,6 +176,7 @@ class Run:
             When the planner fails.
         """
         self.begin(planner.name)
+        objective = self.takes_objective(planner)
         with self.timed("run"):
             try:
                 found = planner.search(
@@ -160,6 +185,7 @@ class Run:
                     seed=self.seed,
                     start=self.routes,
                     on_best=self.offer,
+                    **objective,
                 )
             except Exception as error:
                 ours = isinstance(error, QRobotError)
@@ -178,8 +204,11 @@ class Run:
             self.offer(found.routes)
         if found.infeasible is not None and self.routes is None:
             self.infeasible = found.infeasible
-        self.raise_bound(found.bound)
-        if found.optimal and self.routes is not None:
+        if objective:
+            self.bound = max(self.bound, found.bound)
+        else:
+            self.raise_bound(found.bound)
+        if found.optimal and self.routes is not None and (self.by_distance or objective):
             self.proven = True
             self.bound = max(self.bound, self.cost)
         self.tell()

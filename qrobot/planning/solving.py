@@ -9,9 +9,10 @@ from typing import Any
 import dimod
 
 from qrobot._files import StrPath
-from qrobot.backends import Stop, get
+from qrobot.backends import Stop, available, capabilities, get, names
 from qrobot.errors import BackendError, InfeasibleError, InputError
-from qrobot.plan import Plan, check
+from qrobot.plan import Objective, Plan, check
+from qrobot.plan.objective import objective_named
 from qrobot.planning.arguments import check_arguments
 from qrobot.planning.bounding import bound_from_below
 from qrobot.planning.fallback import run_with_fallback
@@ -38,11 +39,12 @@ def solve(
     control: bool = False,
     max_cost: float | None = None,
     fallback: str | None = None,
+    objective: str = "distance",
     stop: Stop | None = None,
     on_progress: Callable[[Progress], None] | None = None,
     **options: Any,
 ) -> Result:
-    """Plan who collects what, in which sequence, at the least distance.
+    """Plan who collects what, in which sequence, at the least cost.
 
     Parameters
     ----------
@@ -69,6 +71,9 @@ def solve(
     fallback
         Local backend (or ``auto``) that answers when the other one fails; the result's notes
         say so, and `Result.answered_by`. It shares the deadline.
+    objective
+        What shall be small: ``distance``, or ``time``, the seconds that all robots together
+        drive and collect.
     stop
         A stop that the caller can `request` from another thread.
     on_progress
@@ -101,14 +106,16 @@ def solve(
         control=control,
         max_cost=max_cost,
         fallback=fallback,
+        objective=objective,
         stop=stop,
         on_progress=on_progress,
     )
     instance = instance_of(instance)
     limits = Stop(deadline, max_work, parent=stop)
+    aim = objective_named(objective)
 
     def answer(name: str, strategy: Strategy) -> Result:
-        run = Run(instance, strategy.limits(limits), int(seed), on_progress)
+        run = Run(instance, strategy.limits(limits), int(seed), on_progress, objective=aim)
         if (reason := reason_infeasible(instance)) is not None:
             raise InfeasibleError(reason)
         with graceful_interrupts(run.stop):
@@ -119,11 +126,13 @@ def solve(
     def first() -> Result:
         strategy = strategy_of(backend)
         strategy.take(options, control=control, max_cost=max_cost)
+        _check_objective(strategy, aim, instance)
         return answer(backend, strategy)
 
     if fallback is None:
         return first()
     second = _local(fallback)
+    _check_objective(second, aim, instance)
 
     def instead(name: str) -> Result:
         known = second.known_options(options)
@@ -168,6 +177,23 @@ def _local(name: str) -> Strategy:
     return strategy
 
 
+def _check_objective(strategy: Strategy, objective: Objective, instance: Instance) -> None:
+    """Refuse a backend that would make something else small."""
+    if objective.common_rate(instance) is not None:
+        return
+    if not objective.optimised_by(strategy.capabilities.objectives):
+        able = [
+            name
+            for name in ["auto", *names()]
+            if available(name) and objective.optimised_by(capabilities(name).objectives)
+        ]
+        raise InputError(
+            f"backend {strategy.name} cannot optimise {objective.name} with unlike robots",
+            field="objective",
+            mend=f"use one of: {', '.join(able)}",
+        )
+
+
 def result_of(run: Run, backend: str) -> Result:
     """Return the checked result of a run that is over.
 
@@ -189,7 +215,7 @@ def result_of(run: Run, backend: str) -> Result:
             proven=False,
         )
     proven = run.finished
-    plan = Plan.from_routes(run.instance, run.routes)
+    plan = Plan.from_routes(run.instance, run.routes, run.objective)
     with run.timed("check"):
         report = check(plan, run.instance)
     if not report.ok:
@@ -201,7 +227,7 @@ def result_of(run: Run, backend: str) -> Result:
     return Result(
         instance=run.instance,
         plan=plan,
-        bound=min(run.bound, plan.distance),
+        bound=min(run.told(run.bound), plan.cost),
         is_optimal=proven,
         backend=backend,
         steps=tuple(run.steps),

@@ -10,6 +10,7 @@ from qrobot.backends import Capabilities, Planner, Routes, Search, Stop
 from qrobot.backends.base import OnBest
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import InputError
+from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.planning.arguments import ARGUMENTS
 from qrobot.planning.bounding import begin_bound, time_to_search
 from qrobot.planning.feasibility import reason_infeasible
@@ -45,17 +46,18 @@ class Strategy:
         seed: int = 0,
         start: Routes | None = None,
         on_best: OnBest | None = None,
+        objective: Objective = DISTANCE,
     ) -> Search:
         """Search on a run of its own; see `Planner.search`."""
         if (reason := reason_infeasible(instance)) is not None:
             return Search(infeasible=reason)
-        run = Run(instance, stop, seed, on_best=on_best)
+        run = Run(instance, stop, seed, on_best=on_best, objective=objective)
         if start is not None:
             run.offer(start)
         self.plan(run)
         return Search(
             routes=run.routes,
-            bound=run.bound,
+            bound=run.told(run.bound),
             optimal=run.finished and run.infeasible is None,
             infeasible=run.infeasible,
             work=sum(run.work.values()),

@@ -13,7 +13,7 @@ from qrobot._files import StrPath
 from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
-from qrobot.plan import Plan, Trip, plan_of
+from qrobot.plan import OBJECTIVES, Plan, Trip, plan_of
 from qrobot.problem import Instance, Item
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
@@ -146,7 +146,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
     return Scene(
         instance=instance,
         journeys=tuple(journeys),
-        title=f"{shown(instance.name, 60)}: {number(plan.distance)}{unit}{quality}",
+        title=f"{shown(instance.name, 60)}: {_cost(plan, unit)}{quality}",
         subtitle=_subtitle(plan, instance),
         unit=unit,
     )
@@ -160,6 +160,13 @@ def _quality(result: Result) -> str:
         return ", proven optimal"
     gap = result.gap
     return f", at most {gap:.1%} above the optimum" if gap < 10 else ""
+
+
+def _cost(plan: Plan, unit: str) -> str:
+    """Return the distance, or what the plan costs by another objective, with its unit."""
+    if plan.objective == "distance":
+        return f"{number(plan.distance)}{unit}"
+    return f"{plan.objective} {number(plan.cost)} {OBJECTIVES[plan.objective].unit}".rstrip()
 
 
 def _unit(instance: Instance) -> str:

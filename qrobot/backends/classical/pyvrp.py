@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from qrobot._extras import load
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
 from qrobot.backends.classical.whole import usual_distance, whole_costs
 from qrobot.errors import BackendError
+from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.problem import Instance
 
 if TYPE_CHECKING:
@@ -28,6 +30,9 @@ OVERLOAD, MOST_OVERLOAD = 1.25, 50.0
 """First price of overloading a trip by a mean weight, in usual distances, and the highest, in
 largest distances: what is far off must not be worth an overload."""
 
+
+RATES, DEAREST = 100, 1e4
+"""Units in the lowest price of a metre where prices differ, and the most times that of it."""
 
 MANY = 200
 """Stops beyond which a start is improved everywhere before any part is perturbed."""
@@ -46,7 +51,7 @@ class PyVRPPlanner:
 
     name = "pyvrp"
     plain = False
-    capabilities = Capabilities(kind="planner", whole_orders=False)
+    capabilities = Capabilities(kind="planner", whole_orders=False, objectives=("sum",))
 
     def search(
         self,
@@ -56,6 +61,7 @@ class PyVRPPlanner:
         seed: int = 0,
         start: Routes | None = None,
         on_best: OnBest | None = None,
+        objective: Objective = DISTANCE,
     ) -> Search:
         """Search until `stop`; see `Planner.search`.
 
@@ -77,7 +83,7 @@ class PyVRPPlanner:
         if not instance.orders:
             return Search(routes=[])
         begun = time.perf_counter()
-        data = _problem_data(instance, plain=self.plain)
+        data = _problem_data(instance, objective, plain=self.plain)
         first_seconds = FIRST_SHARE * (time.perf_counter() - begun)
         if stop.remaining < first_seconds and len(instance.stops) > MANY:
             # The first step cannot be interrupted.
@@ -124,13 +130,14 @@ class PlainPyVRPPlanner(PyVRPPlanner):
     plain = True
 
 
-def _problem_data(instance: Instance, *, plain: bool) -> pyvrp.ProblemData:
+def _problem_data(instance: Instance, objective: Objective, *, plain: bool) -> pyvrp.ProblemData:
     import pyvrp
 
-    capacities, counts = np.unique(instance.vehicle_capacities, return_counts=True)
-    whole = whole_costs(
-        instance, PLAIN_RESOLUTION if plain else RESOLUTION, int(counts.sum()), LARGEST
-    )
+    vehicles = _vehicles(instance, objective)
+    dearest = max(rate for _, rate in vehicles)
+    trips = sum(vehicles.values())
+    resolution = PLAIN_RESOLUTION if plain else RESOLUTION
+    whole = whole_costs(instance, resolution, trips, LARGEST / dearest)
     matrix = whole.cost(instance.stop_distances)
     if plain:
         matrix //= whole.spread
@@ -146,13 +153,28 @@ def _problem_data(instance: Instance, *, plain: bool) -> pyvrp.ProblemData:
         depots=[pyvrp.Depot(location=0)],
         vehicle_types=[
             pyvrp.VehicleType(
-                num_available=count, capacity=[capacity], fixed_cost=0 if plain else 1
+                num_available=count,
+                capacity=[capacity],
+                fixed_cost=0 if plain else 1,
+                unit_distance_cost=rate,
             )
-            for capacity, count in zip(capacities.tolist(), counts.tolist(), strict=True)
+            for (capacity, rate), count in sorted(vehicles.items())
         ],
         distance_matrices=[matrix],
         duration_matrices=[np.zeros_like(matrix)],
     )
+
+
+def _vehicles(instance: Instance, objective: Objective) -> Counter[tuple[int, int]]:
+    """Return how many trips there may be of each capacity and each whole price of a metre."""
+    if objective.common_rate(instance) is not None:
+        return Counter((int(capacity), 1) for capacity in instance.vehicle_capacities)
+    least = min(map(objective.rate, instance.robots))
+    found: Counter[tuple[int, int]] = Counter()
+    for robot, capacity in zip(instance.robots, instance.capacities.tolist(), strict=True):
+        price = round(RATES * min(objective.rate(robot) / least, DEAREST))
+        found[capacity, price] += min(robot.trips, len(instance.orders))
+    return found
 
 
 def _iterated_search(
@@ -187,7 +209,7 @@ def _iterated_search(
     matrix = data.distance_matrix(0)
     largest = max(float(instance.stop_distances.max()), 1e-300)
     price = OVERLOAD * float(matrix.max()) * min(usual_distance(instance) / largest, 1.0) / mean
-    price = max(1.0, price)
+    price = max(1.0, price) * max(vehicle.unit_distance_cost for vehicle in data.vehicle_types())
     highest = max(price, MOST_OVERLOAD * float(matrix.max()) / mean)
     limits = pyvrp.PenaltyParams() if plain else pyvrp.PenaltyParams(max_penalty=highest)
     first_prices = limits.midpoint_penalties(data) if plain else ([price], price, price)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 
 import numpy as np
 import numpy.typing as npt
 
+from qrobot._arrays import Floats
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
 from qrobot.backends.classical.batching import BatchingPlanner
 from qrobot.backends.classical.exact.columns import MAX_ENTRIES, Columns, check_size, columns_of
@@ -15,6 +17,7 @@ from qrobot.backends.classical.exact.packing import no_packing, no_way
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS, best_split
 from qrobot.backends.classical.whole import whole_costs
 from qrobot.errors import BackendError
+from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.problem import Instance
 
 __all__ = ["MAX_ENTRIES", "ExactPlanner"]
@@ -47,7 +50,7 @@ class ExactPlanner:
     """
 
     name = "exact"
-    capabilities = Capabilities(kind="planner", proves=True, max_size=50)
+    capabilities = Capabilities(kind="planner", proves=True, max_size=50, objectives=("sum",))
 
     def fits(self, instance: Instance) -> bool:
         """Return whether the instance is small enough."""
@@ -69,18 +72,22 @@ class ExactPlanner:
         seed: int = 0,
         start: Routes | None = None,
         on_best: OnBest | None = None,
+        objective: Objective = DISTANCE,
     ) -> Search:
-        """Find and prove the shortest plan; see `Planner.search`.
+        """Find and prove the cheapest plan; see `Planner.search`.
 
         Raises
         ------
         BackendError
-            When the instance has too many sets of orders that fit on one robot.
+            When the instance has too many sets of orders that fit on one robot, or more than
+            13 orders and an objective that charges robots differently.
         MissingExtraError
             When more than 13 orders need CP-SAT and it is not installed.
         """
         if not instance.orders:
             return Search(routes=[], optimal=True)
+        if objective.common_rate(instance) is None:
+            return _charged(instance, objective, stop, start)
         shared = check_size(instance)
         if start is None and (len(instance.orders) > MAX_ELEMENTS or not shared):
             # A plan to begin with: it prices most columns out, and is there when time is up.
@@ -113,14 +120,44 @@ class ExactPlanner:
         return Search(routes=routes, bound=cost if proven else bound, optimal=proven, work=work)
 
 
+def _charged(instance: Instance, objective: Objective, stop: Stop, start: Routes | None) -> Search:
+    """Search by the subset programme where a metre costs some robots more than others."""
+    check_size(instance)
+    orders = len(instance.orders)
+    if orders > MAX_ELEMENTS:
+        raise BackendError(
+            f"backend exact proves plans of least {objective.name} with unlike robots for up to "
+            f"{MAX_ELEMENTS} orders, these are {orders}; use backend auto"
+        )
+    columns = columns_of(instance, stop)
+    if columns is None:
+        return Search(routes=start)
+    kinds = Counter(
+        kind
+        for robot, capacity in zip(instance.robots, instance.capacities.tolist(), strict=True)
+        for kind in [(capacity, objective.rate(robot))] * min(robot.trips, orders)
+    )
+    seats = [kind for kind, count in kinds.items() for _ in range(min(count, orders))]
+    capacities, rates = (np.array(column) for column in zip(*seats, strict=True))
+    routes, proven, bound = _split(instance, columns, capacities, stop, None, rates)
+    work = len(columns.masks)
+    if routes is None:
+        return Search(routes=start, infeasible=no_packing(instance) if proven else None, work=work)
+    bound += objective.fixed(instance)
+    return Search(routes=routes, bound=bound, optimal=proven, work=work)
+
+
 def _split(
     instance: Instance,
     columns: Columns,
     capacities: npt.NDArray[np.int64],
     stop: Stop,
     start: Routes | None,
+    rates: Floats | None = None,
 ) -> tuple[Routes | None, bool, float]:
     """Return routes, whether they (or their absence) are proven, and a lower bound.
+
+    With `rates`, what each trip pays for a metre, costs take the place of lengths.
 
     Where tours are not known yet, their lower bounds take their place; the tours that the
     best split asks for are measured until all of its own are known. No other split is
@@ -130,15 +167,22 @@ def _split(
     tie = 0.5 / whole_costs(instance, RESOLUTION, len(instance.orders), LARGEST).scale
     tie /= len(instance.orders) + 1
     tie = max(tie, ROUNDING * float(instance.stop_distances.max()))
+    if rates is None:
+        rates = np.ones(len(capacities))
+        charged = False
+    else:
+        charged = True  # whole distances do not make whole costs, so a hair must be a hair
+        tie = ROUNDING * float(instance.stop_distances.max()) * float(rates.min())
     row = {int(mask): i for i, mask in enumerate(columns.masks)}
     known = math.inf if start is None else instance.length(start) + tie * (len(start) - 0.5)
     bound = 0.0
     while True:
-        total, masks, before = best_split(_tables(instance, columns, capacities, tie))
+        total, masks, before = best_split(_tables(instance, columns, capacities, rates, tie))
         if not np.isfinite(total):
             return None, True, bound
         rows = [row[mask] for mask in masks]
-        bound = max(bound, float(columns.lengths[rows].sum()))
+        least = total - tie * len(rows) if charged else float(columns.lengths[rows].sum())
+        bound = max(bound, least)
         if columns.known[rows].all():
             return [columns.route(r) for r in rows], True, bound
         if total >= known:
@@ -154,15 +198,19 @@ def _split(
 
 
 def _tables(
-    instance: Instance, columns: Columns, capacities: npt.NDArray[np.int64], tie: float
+    instance: Instance,
+    columns: Columns,
+    capacities: npt.NDArray[np.int64],
+    rates: Floats,
+    tie: float,
 ) -> list[npt.NDArray[np.float64]]:
     """Return for each trip what every set of orders costs."""
     tables = []
-    for capacity in capacities.tolist():
+    for capacity, rate in zip(capacities.tolist(), rates.tolist(), strict=True):
         fits = columns.loads <= capacity
         table = np.full(1 << len(instance.orders), np.inf)
         table[0] = 0.0
-        table[columns.masks[fits]] = columns.lengths[fits] + tie
+        table[columns.masks[fits]] = rate * columns.lengths[fits] + tie
         tables.append(table)
     return tables
 
