@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal, Protocol, runtime_checkable
 
+from qrobot._arrays import Floats
 from qrobot.problem.instance import Instance
 
-__all__ = ["Capabilities", "Planner", "Routes", "Search", "Stop"]
+__all__ = ["Capabilities", "PlanReads", "Planner", "Routes", "Search", "Stop"]
 
 Routes = list[list[int]]
 """For each trip its nodes (item index + 1) in sequence."""
@@ -120,6 +121,32 @@ class Stop:
         return Stop(seconds, self.max_work if max_work is None else max_work, parent=self)
 
 
+@dataclass(frozen=True, slots=True)
+class PlanReads:
+    """What a planner that samples plans read, beside as many random plans.
+
+    Parameters
+    ----------
+    encoding
+        What it sampled from, in words.
+    variables
+        Qubits that a circuit would have.
+    lengths, random_lengths
+        Distance of each read, and of each random plan; ``inf`` where no way leads.
+    energy
+        Least energy of all reads.
+    details
+        Anything worth reporting, plain data.
+    """
+
+    encoding: str
+    variables: int
+    lengths: Floats
+    random_lengths: Floats
+    energy: float
+    details: Mapping[str, Any]
+
+
 @dataclass(slots=True)
 class Search:
     """What a planner found.
@@ -137,8 +164,8 @@ class Search:
         A proven reason why no plan exists, or ``None``.
     work
         Units of work done.
-    info
-        Anything worth reporting, plain data.
+    reads
+        The reads of a planner that samples plans.
     """
 
     routes: Routes | None = None
@@ -146,7 +173,7 @@ class Search:
     optimal: bool = False
     infeasible: str | None = None
     work: int = 0
-    info: dict[str, Any] = field(default_factory=dict)
+    reads: PlanReads | None = None
 
 
 OnBest = Callable[[Sequence[Sequence[int]], float], None]

@@ -60,15 +60,15 @@ class AutoPlanner(Strategy):
         if exact.at_once(run.instance):
             run.plan(exact, run.stop)
         search = choose_search(run.instance)
-        proves = few or (run.by_distance and _has_cp_sat())
+        proves = few or (run.best.by_distance and _has_cp_sat())
         if not run.finished and exact.fits(run.instance) and proves:
             # A first plan tells the set partition which trips cannot be part of a better one.
             run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
             run.plan(exact, _proving(run.stop))
-        if not (run.finished or run.by_distance or run.takes_objective(search)):
-            run.notes.append(
-                f"no search takes account of {run.objective.name} here: short plans were sought, "
-                "their trips dealt to the robots at the least cost"
+        if not (run.finished or run.best.by_distance or run.best.aim(search)):
+            run.record.notes.append(
+                f"no search takes account of {run.best.objective.name} here: short plans were "
+                "sought, their trips dealt to the robots at the least cost"
             )
         if not run.finished:
             _begin(run)
@@ -79,9 +79,9 @@ class AutoPlanner(Strategy):
 def _begin(run: Run) -> None:
     """Have a plan before a search that may be too slow for its first, or for which it is late."""
     late = run.stop() or len(run.instance.stops) > MANY_STOPS
-    if late and run.routes is None and (routes := run.instance.first_routes()) is not None:
+    if late and run.best.routes is None and (routes := run.instance.first_routes()) is not None:
         run.begin("insertion")
-        run.offer(routes)
+        run.best.offer(routes)
 
 
 def _search_on(run: Run, search: Planner) -> None:
@@ -96,14 +96,14 @@ def _search_on(run: Run, search: Planner) -> None:
         if math.isfinite(part.remaining) and part.max_work is None and not part():
             run.plan(get_planner("batching"), part)  # PyVRP gave up: too little time for it
         run.out_of_time = part.remaining <= 0
-    if run.routes is None and run.infeasible is None and not run.stop():
+    if run.best.routes is None and run.infeasible is None and not run.stop():
         run.begin("packing")
         with run.timed("run"):
             routes, impossible = pack(run.instance, stop, run.seed)
         if impossible:
             run.infeasible = no_packing(run.instance)
         elif routes is not None:
-            run.offer(routes)
+            run.best.offer(routes)
             run.plan(search, stop)
             run.out_of_time = stop.remaining <= 0
 
@@ -111,7 +111,7 @@ def _search_on(run: Run, search: Planner) -> None:
 @contextmanager
 def _helpers(run: Run, search: Planner, seconds: float) -> Iterator[Crew | None]:
     """Let the other cores search too while the block runs, where it is worth their start."""
-    long = HELPED_SECONDS <= seconds < math.inf and run.by_distance
+    long = HELPED_SECONDS <= seconds < math.inf and run.best.by_distance
     helpers = spare_cores() if long and run.stop.max_work is None else 0
     if not helpers:
         yield None
@@ -123,7 +123,7 @@ def _helpers(run: Run, search: Planner, seconds: float) -> Iterator[Crew | None]
         yield crew
     finally:
         with run.timed("run"):
-            crew.close(run.offer, wait=0.0)
+            crew.close(run.best.offer, wait=0.0)
 
 
 class _Patient(Stop):
@@ -140,10 +140,10 @@ class _Patient(Stop):
     def __call__(self, work: int = 0) -> bool:
         """Return True when it is time to stop after `work` units."""
         if self._crew is not None:
-            self._crew.deliver(self._run.offer)
+            self._crew.deliver(self._run.best.offer)
         if super().__call__(work):
             return True
-        if self._run.routes is not None:
+        if self._run.best.routes is not None:
             return False
         if self.max_work is not None and work > PATIENCE * self.max_work:
             return True

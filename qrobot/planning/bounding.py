@@ -50,16 +50,16 @@ def begin_bound(run: Run) -> None:
     if not instance.orders:
         return
     with run.timed("bound"):
-        run.raise_bound(quick_bound(instance))
+        run.best.raise_bound(quick_bound(instance))
         if math.isinf(run.stop.remaining) or len(instance.orders) <= INSTANT:
             return  # all of it comes after the search, and takes no time
         stop = run.stop.within(EARLY_SHARE * run.stop.remaining)
         pairs = len(instance.stops) ** 2
         rounds = min(FOREST_ROUNDS, int(FOREST_CELLS / pairs))
-        run.raise_bound(forest_bound(instance, run.length, _Paced(stop), rounds))
+        run.best.raise_bound(forest_bound(instance, run.best.length, _Paced(stop), rounds))
         steps = load_steps(instance)
         rounds = min(WALK_ROUNDS, int(WALK_CELLS / (steps * pairs)), WALK_STEPS // steps)
-        run.raise_bound(walk_bound(instance, run.length, _Paced(stop), rounds))
+        run.best.raise_bound(walk_bound(instance, run.best.length, _Paced(stop), rounds))
     run.tell()
 
 
@@ -71,9 +71,9 @@ def time_to_search(run: Run) -> Stop:
     kept = min(BOUND_SHARE * left, BOUND_SECONDS)
     if len(run.instance.stops) > MANY_STOPS:
         # How long the check of such a plan takes here and now.
-        routes = run.routes or run.instance.first_routes() or []
+        routes = run.best.routes or run.instance.first_routes() or []
         begun = time.perf_counter()
-        check(Plan.from_routes(run.instance, routes, run.objective), run.instance)
+        check(Plan.from_routes(run.instance, routes, run.best.objective), run.instance)
         run.check_seconds = CHECKS * (time.perf_counter() - begun)
         kept += run.check_seconds
     return run.stop.within(max(run.stop.remaining - kept, 0.0))
@@ -81,34 +81,31 @@ def time_to_search(run: Run) -> Stop:
 
 def bound_from_below(run: Run) -> None:
     """Raise the run's lower bound, by as much work as the deadline affords."""
-    if run.proven or run.routes is None:
+    if run.best.proven or run.best.routes is None:
         return
     with run.timed("bound"):
         if _proved(run):
             return
-        run.raise_bound(quick_bound(run.instance))
+        run.best.raise_bound(quick_bound(run.instance))
         stop = share_of(run.stop, 1.0, BOUND_SECONDS)
         if run.check_seconds:
             stop = stop.within(max(stop.remaining - run.check_seconds, 0.0))
         part = _Paced(stop)
-        run.raise_bound(forest_bound(run.instance, run.length, part, FOREST_ROUNDS))
-        run.raise_bound(walk_bound(run.instance, run.length, part, WALK_ROUNDS))
+        run.best.raise_bound(forest_bound(run.instance, run.best.length, part, FOREST_ROUNDS))
+        run.best.raise_bound(walk_bound(run.instance, run.best.length, part, WALK_ROUNDS))
 
 
 def _proved(run: Run) -> bool:
     """Take the optimum of a small instance as the bound; its plan stays out of the result."""
     exact = ExactPlanner()
-    if exact.name in run.steps or not exact.at_once(run.instance):
+    if exact.name in run.record.steps or not exact.at_once(run.instance):
         return False
     # So few orders take a millisecond or two: worth it even when time is up.
     late = run.stop() and len(run.instance.orders) <= INSTANT
     stop = Stop(BOUND_SECONDS) if late else share_of(run.stop, 1.0, BOUND_SECONDS)
-    objective = run.takes_objective(exact)
-    found = exact.search(run.instance, stop=stop, seed=run.seed, **objective)
-    if objective:
-        run.bound = max(run.bound, found.bound)
-    else:
-        run.raise_bound(found.bound)
+    aim = run.best.aim(exact)
+    found = exact.search(run.instance, stop=stop, seed=run.seed, **aim)
+    run.best.take_bound(found, aim)
     return found.optimal
 
 

@@ -111,26 +111,27 @@ def take_reads(
     asked = sampling.get("num_reads")
     if isinstance(asked, int) and asked > parameters["num_reads"]:
         allowed = parameters["num_reads"]
-        run.notes.append(f"{sampler.name}: the limit of work allows {allowed} of {asked} reads")
+        note = f"{sampler.name}: the limit of work allows {allowed} of {asked} reads"
+        run.record.notes.append(note)
     _tell_cut(run, sampler.name, samples, parameters)
     for name, seconds in parts.items():
-        setattr(run.timing, name, getattr(run.timing, name) + seconds)
+        setattr(run.record.timing, name, getattr(run.record.timing, name) + seconds)
     if sampler.runs_remotely(**sampling) and math.isinf(run.stop.remaining):
         run.stop = Stop(AFTERWARDS, run.stop.max_work, parent=run.stop)
-    run.work[sampler.name] = len(samples)
+    run.record.work[sampler.name] = len(samples)
     return samples
 
 
 def _tell_cut(run: Run, name: str, samples: dimod.SampleSet, parameters: dict[str, Any]) -> None:
     """Say so when a sampler was stopped before it had done its work."""
     if (cut := samples.info.get("cut")) is not None:
-        run.notes.append(f"{name}: {cut}")
+        run.record.notes.append(f"{name}: {cut}")
     part = parameters.get("interrupt_function")
     if not isinstance(part, Stop) or part.remaining > 0:
         return
     taken, wanted = int(samples.record.num_occurrences.sum()), parameters.get("num_reads")
     if cut is None and isinstance(wanted, int) and taken < wanted and not part.requested:
-        run.notes.append(
+        run.record.notes.append(
             f"{name} took {taken} of {wanted} reads in its share of the deadline, "
             f"{SAMPLING_SHARE:.0%}"
         )

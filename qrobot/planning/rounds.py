@@ -71,7 +71,7 @@ def sample_in_rounds(
             if kept is None:
                 raise
             # The reads of the rounds before may have been paid for.
-            run.notes.append(f"round {rounds + 1} of {sampler.name} failed: {error}")
+            run.record.notes.append(f"round {rounds + 1} of {sampler.name} failed: {error}")
             return *kept, total, rounds
         kept = model, samples
         rounds += 1

@@ -1,4 +1,4 @@
-"""One run of `solve`: the best plan so far, the bound, the clock, and who listens."""
+"""One run of `solve`: the best plan so far and its bound, the clock, the record, who listens."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from qrobot._arrays import Floats
 from qrobot.backends import Planner, Routes, Search, Stop
-from qrobot.backends.base import OnBest
+from qrobot.backends.base import OnBest, PlanReads
 from qrobot.errors import BackendError, QRobotError
 from qrobot.plan.assignment import cost
 from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
 
-__all__ = ["Progress", "Run", "plan_fits"]
+__all__ = ["Best", "Progress", "Record", "Run", "plan_fits"]
 
 
 TIE = 1e-11
@@ -52,64 +52,34 @@ class Progress:
     objective: str = "distance"
 
 
-class Run:
-    """The state that strategies work on.
+class Best:
+    """The best plan so far and the bound, by an objective.
 
     Parameters
     ----------
     instance
         The question.
-    stop
-        Deadline, work limit and interrupts of the whole run.
-    seed
-        Of every random choice.
-    listener
-        Told about every new step and every better plan.
+    objective
+        What a plan costs.
     on_best
         Told the routes and their distance whenever a better plan is kept.
-    objective
-        What the plan costs.
     """
 
     def __init__(
-        self,
-        instance: Instance,
-        stop: Stop,
-        seed: int,
-        listener: Callable[[Progress], None] | None = None,
-        on_best: OnBest | None = None,
-        objective: Objective = DISTANCE,
+        self, instance: Instance, objective: Objective = DISTANCE, on_best: OnBest | None = None
     ) -> None:
         self.instance = instance
         self.objective = objective
         # One rate for all robots: a shortest plan is a cheapest, so distances are compared.
         self.by_distance = objective.common_rate(instance) is not None
-        self.stop = stop
-        self.seed = seed
         self.routes: Routes | None = None
         self.cost = self.length = float("inf")
         self.bound = 0.0
         self.proven = False
-        self.infeasible: str | None = None
-        self.out_of_time = False
-        self.check_seconds = 0.0  # kept back for the check of the plan
-        self.steps: list[str] = []
-        self.work: dict[str, int] = {}
-        self.timing = Timing()
-        self.sampler: SamplerReport | None = None
-        self.reads: tuple[Floats, Floats | None] | None = None
-        self.notes: list[str] = list(instance.notes)
-        self._listener = listener
         self._on_best = on_best
-        self._begun = time.perf_counter()
-
-    @property
-    def elapsed(self) -> float:
-        """Seconds since the run began, whatever the deadline counts from."""
-        return time.perf_counter() - self._begun
 
     def offer(self, routes: Sequence[Sequence[int]], _cost: float | None = None) -> None:
-        """Keep routes when they are valid and better: shorter, or as short with fewer trips."""
+        """Keep routes when they are valid and better: cheaper, or as cheap with fewer trips."""
         kept = [[int(v) for v in route] for route in routes if len(route)]
         if not plan_fits(self.instance, kept):
             return
@@ -124,7 +94,6 @@ class Run:
             self.routes, self.cost, self.length = kept, value, length
             if self._on_best is not None:
                 self._on_best(kept, length)
-            self.tell()
 
     def raise_bound(self, distance: float) -> None:
         """Keep a larger bound of distances; whole distances lift it to the next whole number."""
@@ -135,27 +104,109 @@ class Run:
             distance = self.objective.bound(self.instance, distance)
         self.bound = max(self.bound, distance)
 
+    def take_bound(self, found: Search, given: Mapping[str, Any]) -> None:
+        """Keep a planner's bound, of what it was `given` to make small."""
+        if given:
+            self.bound = max(self.bound, found.bound)
+        else:
+            self.raise_bound(found.bound)
+
     def told(self, value: float) -> float:
-        """Return a cost or bound of this run as the objective counts."""
+        """Return a cost or bound as the objective counts."""
         return self.objective.bound(self.instance, value) if self.by_distance else value
 
-    def takes_objective(self, planner: Planner) -> dict[str, Any]:
-        """Return the objective as an argument of `search`, where the planner must be told."""
+    def aim(self, planner: Planner) -> dict[str, Any]:
+        """Return the objective as an argument of `search`, where a planner must be told."""
         able = self.objective.optimised_by(planner.capabilities.objectives)
         return {"objective": self.objective} if able and not self.by_distance else {}
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing is left to gain: proven optimal, by search or by bound."""
+        if self.routes is not None and self.cost <= self.bound * (1 + TIE):
+            self.proven = True
+        return self.proven
+
+
+@dataclass(slots=True)
+class Record:
+    """What is told of a run: which steps, how much work, where the time went, facts to know."""
+
+    steps: list[str] = field(default_factory=list)
+    work: dict[str, int] = field(default_factory=dict)
+    timing: Timing = field(default_factory=Timing)
+    notes: list[str] = field(default_factory=list)
+    sampler: SamplerReport | None = None
+    reads: tuple[Floats, Floats | None] | None = None
+    """Distances of the reads that are plans, and of the random ones."""
+
+
+class Run:
+    """One call of `solve`: its limits, the best plan, and the record of what was done.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    stop
+        Deadline, work limit and interrupts of the whole run.
+    seed
+        Of every random choice.
+    listener
+        Told about every new step and every better plan.
+    objective, on_best
+        As of `Best`.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        stop: Stop,
+        seed: int,
+        listener: Callable[[Progress], None] | None = None,
+        *,
+        objective: Objective = DISTANCE,
+        on_best: OnBest | None = None,
+    ) -> None:
+        self.instance = instance
+        self.stop = stop
+        self.seed = seed
+        self.best = Best(instance, objective, self._tell_best)
+        self.record = Record(notes=list(instance.notes))
+        self.infeasible: str | None = None
+        self.out_of_time = False
+        self.check_seconds = 0.0  # kept back for the check of the plan
+        self._listener, self._on_best = listener, on_best
+        self._begun = time.perf_counter()
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the run began, whatever the deadline counts from."""
+        return time.perf_counter() - self._begun
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing is left to gain: proven optimal, or that there is no plan."""
+        return self.infeasible is not None or self.best.finished
+
+    def _tell_best(self, routes: Sequence[Sequence[int]], length: float) -> None:
+        if self._on_best is not None:
+            self._on_best(routes, length)
+        self.tell()
 
     def tell(self) -> None:
         """Report progress to the listener."""
         if self._listener is not None:
-            step = self.steps[-1] if self.steps else "start"
-            found = self.told(self.cost) if self.routes is not None else None
-            bound = self.told(self.bound)
-            self._listener(Progress(step, self.elapsed, found, bound, self.objective.name))
+            best = self.best
+            step = self.record.steps[-1] if self.record.steps else "start"
+            found = best.told(best.cost) if best.routes is not None else None
+            bound = best.told(best.bound)
+            self._listener(Progress(step, self.elapsed, found, bound, best.objective.name))
 
     def begin(self, step: str) -> None:
         """Note that a step begins; a step that goes on is named once."""
-        if not self.steps or self.steps[-1] != step:
-            self.steps.append(step)
+        if not self.record.steps or self.record.steps[-1] != step:
+            self.record.steps.append(step)
         self.tell()
 
     @contextmanager
@@ -165,7 +216,8 @@ class Run:
         try:
             yield
         finally:
-            setattr(self.timing, part, getattr(self.timing, part) + time.perf_counter() - begun)
+            timing = self.record.timing
+            setattr(timing, part, getattr(timing, part) + time.perf_counter() - begun)
 
     def plan(self, planner: Planner, stop: Stop) -> Search:
         """Let a planner search, starting from the best plan so far, and keep what it finds.
@@ -176,75 +228,64 @@ class Run:
             When the planner fails.
         """
         self.begin(planner.name)
-        objective = self.takes_objective(planner)
+        best, aim = self.best, self.best.aim(planner)
         with self.timed("run"):
             try:
                 found = planner.search(
                     self.instance,
                     stop=stop,
                     seed=self.seed,
-                    start=self.routes,
-                    on_best=self.offer,
-                    **objective,
+                    start=best.routes,
+                    on_best=best.offer,
+                    **aim,
                 )
             except Exception as error:
                 ours = isinstance(error, QRobotError)
                 text = str(error) if ours else f"{type(error).__name__}: {error}"
-                if self.routes is not None:
+                if best.routes is not None:
                     # A plan that is there already must not be lost to a later step.
-                    self.notes.append(f"backend {planner.name} failed ({text})")
+                    self.record.notes.append(f"backend {planner.name} failed ({text})")
                     return Search()
                 if ours:
                     raise
                 raise BackendError(f"backend {planner.name} failed: {text}") from error
-        if (told := found.info.get("reads")) is not None:
-            self._tell_reads(planner.name, told)
-        self.work[planner.name] = self.work.get(planner.name, 0) + found.work
+        if found.reads is not None:
+            self._tell_reads(planner.name, found.reads)
+        work = self.record.work
+        work[planner.name] = work.get(planner.name, 0) + found.work
         if found.routes is not None:
-            self.offer(found.routes)
-        if found.infeasible is not None and self.routes is None:
+            best.offer(found.routes)
+        if found.infeasible is not None and best.routes is None:
             self.infeasible = found.infeasible
-        if objective:
-            self.bound = max(self.bound, found.bound)
-        else:
-            self.raise_bound(found.bound)
-        if found.optimal and self.routes is not None and (self.by_distance or objective):
-            self.proven = True
-            self.bound = max(self.bound, self.cost)
+        best.take_bound(found, aim)
+        if found.optimal and best.routes is not None and (best.by_distance or aim):
+            best.proven = True
+            best.bound = max(best.bound, best.cost)
         self.tell()
         return found
 
-    def _tell_reads(self, name: str, told: Mapping[str, Any]) -> None:
+    def _tell_reads(self, name: str, told: PlanReads) -> None:
         """Report the reads of a planner that samples plans."""
-        both = (np.asarray(told[k], dtype=np.float64) for k in ("lengths", "random_lengths"))
         # Those that take a forbidden way are not plans.
         (lengths, feasible), (random, random_feasible) = (
-            (all_[np.isfinite(all_)], float(np.isfinite(all_).mean())) for all_ in both
+            (every[np.isfinite(every)], float(np.isfinite(every).mean()))
+            for every in (told.lengths, told.random_lengths)
         )
-        self.reads = (lengths, random)
-        self.sampler = SamplerReport(
+        self.record.reads = (lengths, random)
+        self.record.sampler = SamplerReport(
             backend=name,
-            encoding=told["encoding"],
-            variables=told["variables"],
-            reads=len(told["lengths"]),
+            encoding=told.encoding,
+            variables=told.variables,
+            reads=len(told.lengths),
             feasible_fraction=feasible,
             best=float(lengths.min()) if lengths.size else None,
             mean=float(lengths.mean()) if lengths.size else None,
-            energy=told["energy"],
+            energy=told.energy,
             random_feasible_fraction=random_feasible,
             random_best=float(random.min()) if random.size else None,
             of_plans=True,
-            details=dict(told["details"]),
+            details=dict(told.details),
         )
-
-    @property
-    def finished(self) -> bool:
-        """Whether nothing is left to gain: proven optimal, by search or by bound."""
-        if self.infeasible is not None:
-            return True
-        if self.routes is not None and self.cost <= self.bound * (1 + TIE):
-            self.proven = True
-        return self.proven
 
 
 def plan_fits(instance: Instance, routes: Routes) -> bool:

@@ -89,8 +89,8 @@ class SamplerStrategy(Strategy):
         """
         instance, sampler, options = run.instance, self.sampler, self._options
         if not instance.orders:
-            run.offer([])
-            run.proven = True
+            run.best.offer([])
+            run.best.proven = True
             return
         for name, flag in (("wait", "submit"), ("dry_run", "estimate")):
             if name in options:
@@ -108,7 +108,7 @@ class SamplerStrategy(Strategy):
         )
         if not len(samples):
             raise BackendError(f"backend {sampler.name} gave no reads")
-        run.work[sampler.name] = reads
+        run.record.work[sampler.name] = reads
         use_reads(
             run, sampler.name, model, samples, reads=reads, rounds=rounds, control=self._control
         )
@@ -165,15 +165,15 @@ def use_reads(
         report.rounds = rounds
         starts = _starts(model, samples, feasible, costs)
         times = samples.record.num_occurrences.astype(np.float64)
-        run.reads = (np.repeat(costs[feasible], times[feasible].astype(int)), None)
+        run.record.reads = (np.repeat(costs[feasible], times[feasible].astype(int)), None)
         if control:
             random_costs = _random_reads(model, report.reads, rng)
             report.random_feasible_fraction = random_costs.size / max(report.reads, 1)
             report.random_best = float(random_costs.min()) if random_costs.size else None
-            run.reads = (run.reads[0], random_costs)
-    run.sampler = report
+            run.record.reads = (run.record.reads[0], random_costs)
+    run.record.sampler = report
     if report.best is not None:
-        run.offer(starts[0])
+        run.best.offer(starts[0])
     with run.timed("polish"):
         report.polished_best, _ = _polish(run, starts)
         if control:
@@ -265,7 +265,7 @@ def _polish(
             continue
         lengths.append(run.instance.length(routes))
         if keep:
-            run.offer(routes)
+            run.best.offer(routes)
     if not lengths:
         return None, None
     return min(lengths), float(np.mean(lengths))

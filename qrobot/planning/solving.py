@@ -204,48 +204,51 @@ def result_of(run: Run, backend: str) -> Result:
     BackendError
         When the checker refuses the plan.
     """
+    best, record = run.best, run.record
     if run.infeasible is not None:
         raise InfeasibleError(run.infeasible)
-    if run.routes is None:
+    if best.routes is None:
         limits = "it was interrupted" if run.stop.requested else "the limits were reached"
         raise InfeasibleError(
             f"no plan was found before {limits} ({run.elapsed:.1f} s, steps: "
-            f"{', '.join(run.steps) or 'none'}); whether one exists is not known: give more "
+            f"{', '.join(record.steps) or 'none'}); whether one exists is not known: give more "
             f"time; {what_is_enough(run.instance)}",
             proven=False,
         )
     proven = run.finished
-    plan = Plan.from_routes(run.instance, run.routes, run.objective)
+    plan = Plan.from_routes(run.instance, best.routes, best.objective)
     with run.timed("check"):
         report = check(plan, run.instance)
     if not report.ok:
         problems = "; ".join(map(str, report.problems))
-        raise BackendError(f"the checker refused the plan of {' + '.join(run.steps)}: {problems}")
-    run.timing.total = run.elapsed
-    if proven and run.sampler is not None:
-        _count_optimal(run, run.sampler, plan.distance)
+        raise BackendError(
+            f"the checker refused the plan of {' + '.join(record.steps)}: {problems}"
+        )
+    record.timing.total = run.elapsed
+    if proven and record.sampler is not None:
+        _count_optimal(run, record.sampler, plan.distance)
     return Result(
         instance=run.instance,
         plan=plan,
-        bound=min(run.told(run.bound), plan.cost),
+        bound=min(best.told(best.bound), plan.cost),
         is_optimal=proven,
         backend=backend,
-        steps=tuple(run.steps),
+        steps=tuple(record.steps),
         seed=run.seed,
-        work=run.work,
+        work=record.work,
         ended=_ending(run, proven),
-        sampler=run.sampler,
-        timing=run.timing,
-        notes=tuple(run.notes),
+        sampler=record.sampler,
+        timing=record.timing,
+        notes=tuple(record.notes),
     )
 
 
 def _count_optimal(run: Run, report: SamplerReport, least: float) -> None:
     """Say how many reads are optimal plans, now that the optimum is proven."""
-    if run.reads is None or not report.reads:
+    if run.record.reads is None or not report.reads:
         return
     limit = least * (1 + TIE)
-    lengths, random = run.reads
+    lengths, random = run.record.reads
     report.optimal_fraction = float((lengths <= limit).sum() / report.reads)
     if random is not None:
         report.random_optimal_fraction = float((random <= limit).sum() / report.reads)

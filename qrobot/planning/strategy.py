@@ -53,14 +53,14 @@ class Strategy:
             return Search(infeasible=reason)
         run = Run(instance, stop, seed, on_best=on_best, objective=objective)
         if start is not None:
-            run.offer(start)
+            run.best.offer(start)
         self.plan(run)
         return Search(
-            routes=run.routes,
-            bound=run.told(run.bound),
+            routes=run.best.routes,
+            bound=run.best.told(run.best.bound),
             optimal=run.finished and run.infeasible is None,
             infeasible=run.infeasible,
-            work=sum(run.work.values()),
+            work=sum(run.record.work.values()),
         )
 
     def take(

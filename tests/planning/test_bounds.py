@@ -150,12 +150,12 @@ def test_the_bound_of_a_search_does_not_depend_on_the_time_that_is_left(
     monkeypatch.setattr(bounding, "EARLY_SHARE", 1.0)
     run = Run(instance, Stop(3600.0), 0)
     begin_bound(run)
-    assert run.bound > 0.9 * full
+    assert run.best.bound > 0.9 * full
     run.stop.request()
-    before = run.bound
-    run.offer(instance.first_routes() or [])
+    before = run.best.bound
+    run.best.offer(instance.first_routes() or [])
     bounding.bound_from_below(run)
-    assert run.bound == before
+    assert run.best.bound == before
 
 
 def test_time_is_kept_back_for_the_bound_and_for_the_check() -> None:

@@ -6,11 +6,9 @@ every read is a plan. What is said of the reads is raw; the best of them is the 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
+from qrobot.backends.base import Capabilities, OnBest, PlanReads, Routes, Search, Stop
 from qrobot.errors import InfeasibleError
 from qrobot.problem.instance import Instance
 
@@ -92,14 +90,14 @@ class _PreservingPlanner:
         if on_best is not None:
             on_best(routes, float(lengths.min()))
         optimal = plans.optimal
-        told: dict[str, Any] = {
-            "encoding": f"{plans.size} plans",
+        told = PlanReads(
+            encoding=f"{plans.size} plans",
             # One-hot over robots, steps and nodes, as `subspace_program` has them.
-            "variables": plans.capacities.size * instance.size * (instance.size + 1),
-            "lengths": lengths,
-            "energy": float(plans.costs[reads].min()),
-            "random_lengths": plans.lengths(rng.integers(0, plans.size, READS)),
-            "details": {
+            variables=plans.capacities.size * instance.size * (instance.size + 1),
+            lengths=lengths,
+            random_lengths=plans.lengths(rng.integers(0, plans.size, READS)),
+            energy=float(plans.costs[reads].min()),
+            details={
                 "mixer": self.mixer,
                 "layers": LAYERS,
                 "evaluations": found.evaluations,
@@ -109,8 +107,8 @@ class _PreservingPlanner:
                 "ground_probability": float(p[optimal].sum()),
                 "ground_probability_uniform": optimal.size / plans.size,
             },
-        }
-        return Search(routes=routes, work=found.evaluations, info={"reads": told})
+        )
+        return Search(routes=routes, work=found.evaluations, reads=told)
 
 
 class SwapPlanner(_PreservingPlanner):
