@@ -238,7 +238,7 @@ def one_hot_row(
         Of an item's visits beside one; the largest distance by default.
     """
     if len(instance.capacities) != 1:
-        raise InputError("the one-hot row is for one robot", field="robots", mend="use swap")
+        raise InputError("the one-hot row is for one robot", field="robots", advice="use swap")
     began = time.perf_counter()
     d = instance.distances
     qaoa, tours = one_hot(d, float(d.max()) if penalty is None else penalty)

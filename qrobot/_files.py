@@ -2,7 +2,7 @@
 
 A robot may lose power at any moment, so every file that qRobot writes is written aside,
 flushed to the disk and renamed into place: readers see the old file or the new one, never
-a half. Every `OSError` becomes an `InputError` that names the file and the mend.
+a half. Every `OSError` becomes an `InputError` that names the file and the advice.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ NO_PERMISSION = (
 )
 """What helps where a file or folder belongs to somebody else."""
 
-_MENDS = {
+_ADVICE = {
     errno.ENOENT: "check the path",
     errno.EACCES: NO_PERMISSION,
     errno.EPERM: NO_PERMISSION,
@@ -69,10 +69,10 @@ def path_text(path: StrPath) -> str:
     if not isinstance(text, str):
         raise InputError(
             f"an object of class {type(path).__name__} is not a path",
-            mend="give the path of a file as text",
+            advice="give the path of a file as text",
         )
     if not text:
-        raise InputError("the path is empty", mend="give the path of a file")
+        raise InputError("the path is empty", advice="give the path of a file")
     return text
 
 
@@ -100,13 +100,13 @@ def read_text(path: StrPath, *, fallback: str | None = None) -> str:
             if stat.S_ISDIR(status.st_mode):
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
             if not stat.S_ISREG(status.st_mode):
-                raise InputError("is not a regular file", source=source, mend="copy it to one")
+                raise InputError("is not a regular file", source=source, advice="copy it to one")
             if status.st_size > MAX_BYTES:
                 raise InputError(
                     f"{status.st_size / 1e6:.0f} MB are more than the {MAX_BYTES / 1e6:.0f} MB"
                     " that are read",
                     source=source,
-                    mend="plan in waves, with one file each",
+                    advice="plan in waves, with one file each",
                 )
             data = file.read()
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
@@ -118,9 +118,9 @@ def read_text(path: StrPath, *, fallback: str | None = None) -> str:
 
 def _decoded(data: bytes, source: str, fallback: str | None) -> str:
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise InputError("is UTF-16 text", source=source, mend="save it as UTF-8")
+        raise InputError("is UTF-16 text", source=source, advice="save it as UTF-8")
     if b"\0" in data:
-        raise InputError("is binary, not text", source=source, mend="give a UTF-8 text file")
+        raise InputError("is binary, not text", source=source, advice="give a UTF-8 text file")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -129,13 +129,13 @@ def _decoded(data: bytes, source: str, fallback: str | None) -> str:
             raise InputError(
                 f"is not UTF-8 text (byte {error.start}, line {line})",
                 source=source,
-                mend="save it as UTF-8",
+                advice="save it as UTF-8",
             ) from None
         text = data.decode(fallback)
     # DOS ended its texts with ^Z, and some programs still do.
     text = text.rstrip("\x1a") if text.endswith("\x1a") else text
     if not text.strip():
-        raise InputError("is empty", source=source, mend="give a file with content")
+        raise InputError("is empty", source=source, advice="give a file with content")
     return text
 
 
@@ -224,14 +224,14 @@ def check_outputs(outputs: Sequence[StrPath], inputs: Sequence[StrPath] = ()) ->
     Raises
     ------
     InputError
-        With the path and the mend.
+        With the path and the advice.
     """
     taken = {os.path.realpath(path): "is an input" for path in inputs}
     for path in outputs:
         _check_writable(path)
         real = os.path.realpath(path)
         if real in taken and not real.startswith("/dev/"):
-            raise InputError(taken[real], source=os.fspath(path), mend="give another name")
+            raise InputError(taken[real], source=os.fspath(path), advice="give another name")
         taken[real] = "is written twice"
 
 
@@ -248,35 +248,35 @@ def _check_writable(path: StrPath) -> None:
         raise InputError(
             "names no file",
             source="-",
-            mend="use /dev/stdout for the standard output, or ./- for a file of this name",
+            advice="use /dev/stdout for the standard output, or ./- for a file of this name",
         )
     target = Path(path)
     folder = target.parent
     if target.is_dir():
-        raise InputError("is a folder", source=os.fspath(path), mend="give the path of a file")
+        raise InputError("is a folder", source=os.fspath(path), advice="give the path of a file")
     if not folder.is_dir():
         raise InputError(
             f"the folder {os.fspath(folder)!r} does not exist",
             source=os.fspath(path),
-            mend="make it, or choose another place",
+            advice="make it, or choose another place",
         )
     if target.exists() and not os.access(target, os.W_OK):
-        raise InputError("may not be written", source=os.fspath(path), mend=NO_PERMISSION)
+        raise InputError("may not be written", source=os.fspath(path), advice=NO_PERMISSION)
     if target.exists() and not target.is_file():
         return  # a device or pipe: written to directly
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(
             f"the folder {os.fspath(folder)!r} may not be written",
             source=os.fspath(path),
-            mend=NO_PERMISSION,
+            advice=NO_PERMISSION,
         )
 
 
 def refusal(verb: str, source: str, error: Exception) -> InputError:
-    """Return what a user is told when a file cannot be read or written, with the mend."""
+    """Return what a user is told when a file cannot be read or written, with the advice."""
     code = error.errno if isinstance(error, OSError) else None
     why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    mend = _MENDS.get(code or 0, "check the path and the disk")
+    advice = _ADVICE.get(code or 0, "check the path and the disk")
     if verb == "write" and code == errno.ENOENT:
-        mend = f"create the folder {str(Path(source).parent)!r} first"
-    return InputError(f"cannot {verb} {source!r}: {why}", mend=mend)
+        advice = f"create the folder {str(Path(source).parent)!r} first"
+    return InputError(f"cannot {verb} {source!r}: {why}", advice=advice)

@@ -84,10 +84,10 @@ class Parameter:
             allowed = self._takes(value) or isinstance(value, self.also)
         if allowed:
             return
-        mend = "leave it out, or correct it" if self.optional else "correct it"
+        advice = "leave it out, or correct it" if self.optional else "correct it"
         if self.kind == "choice" and isinstance(value, str):
-            mend = near(value, self.choices) or mend
-        raise InputError(f"{_shown(value)} is not {self.allowed}", field=name, mend=mend)
+            advice = near(value, self.choices) or advice
+        raise InputError(f"{_shown(value)} is not {self.allowed}", field=name, advice=advice)
 
     @property
     def allowed(self) -> str:

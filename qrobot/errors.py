@@ -3,7 +3,7 @@
 ::
 
     QRobotError
-    ├── InputError            bad input: names the file, the field, the value, the mend
+    ├── InputError            bad input: names the file, the field, the value, the advice
     ├── InfeasibleError       no plan exists; carries the reason
     └── BackendError          a backend failed
         ├── MissingExtraError an optional dependency is absent; carries the install command
@@ -46,7 +46,7 @@ class InputError(QRobotError, ValueError):
         The file it came from, when it came from one.
     field
         Path of the field inside the file, such as ``items[3].weight``.
-    mend
+    advice
         What the user can do about it, as a clause.
     """
 
@@ -58,23 +58,23 @@ class InputError(QRobotError, ValueError):
         *,
         source: str | None = None,
         field: str | None = None,
-        mend: str | None = None,
+        advice: str | None = None,
     ) -> None:
         self.problem = problem
         self.source = source
         self.field = field
-        self.mend = mend
+        self.advice = advice
         super().__init__(str(self))
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.field) if part)
         text = f"{where}: {self.problem}" if where else self.problem
-        return f"{text}; {self.mend}" if self.mend else text
+        return f"{text}; {self.advice}" if self.advice else text
 
     def in_file(self, source: str) -> InputError:
         """Return the same error with the file's name filled in."""
         return InputError(
-            self.problem, source=self.source or source, field=self.field, mend=self.mend
+            self.problem, source=self.source or source, field=self.field, advice=self.advice
         )
 
 

@@ -36,7 +36,7 @@ def check(sources: list[str], limit: str) -> None:
         if "," in source:  # a list of hosts
             continue
         if not Path(source).exists():
-            raise InputError("no such inventory", source=source, mend=COPY)
+            raise InputError("no such inventory", source=source, advice=COPY)
         for path in files(Path(source)):
             check_syntax(path)
     check_robots(sources, limit)
@@ -55,7 +55,7 @@ def check_syntax(path: Path) -> None:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"byte {error.start + 1} is not UTF-8", source=str(path), mend="save it as UTF-8"
+            f"byte {error.start + 1} is not UTF-8", source=str(path), advice="save it as UTF-8"
         ) from None
     if text.startswith(VAULT):
         return
@@ -67,7 +67,7 @@ def check_syntax(path: Path) -> None:
         place = f"line {mark.line + 1}, column {mark.column + 1}" if mark else None
         told = error.problem or error.context or "it is not YAML"
         raise InputError(
-            told, source=str(path), field=place, mend="mend the YAML there or just above"
+            told, source=str(path), field=place, advice="advice the YAML there or just above"
         ) from None
     except yaml.YAMLError as error:
         raise InputError(" ".join(str(error).split()), source=str(path)) from None
@@ -93,11 +93,11 @@ def check_robots(sources: list[str], limit: str) -> None:
         raise InputError(
             f"it cannot be read ({shape[1] if shape else why})",
             source=file[1] if file else source,
-            mend="give an inventory as ansible/inventory.example has it",
+            advice="give an inventory as ansible/inventory.example has it",
         ) from None
     if not inventory.list_hosts("all"):
         raise InputError(
-            "it names no robot", source=source, mend="name your robots in its hosts.yml"
+            "it names no robot", source=source, advice="name your robots in its hosts.yml"
         )
     robots = [str(host) for host in inventory.list_hosts("all")]
     for part in split_host_pattern(limit) if limit else []:
@@ -112,7 +112,7 @@ def check_robots(sources: list[str], limit: str) -> None:
             raise InputError(
                 f"'{name}' is not a robot or a group of {source}",
                 field="LIMIT",
-                mend=f"did you mean '{near[0]}'?" if near else f"it has {known}",
+                advice=f"did you mean '{near[0]}'?" if near else f"it has {known}",
             )
     if limit:
         inventory.subset(limit)

@@ -106,8 +106,8 @@ def read_facts(folder: Path, arch: str | None) -> tuple[bytes, str]:
         arch = arch or (folder / "arch").read_text().strip()
     except OSError as error:
         name = Path(error.filename).name
-        mend = "fetch the robot's facts again"
-        raise InputError(f"{name} is not readable", field="--facts", mend=mend) from None
+        advice = "fetch the robot's facts again"
+        raise InputError(f"{name} is not readable", field="--facts", advice=advice) from None
     if b"Package: " not in status or not re.fullmatch(r"[a-z0-9]+", arch):
         wrong = "arch" if b"Package: " in status else "status"
         raise InputError(f"{wrong} is not what dpkg writes", field="--facts")

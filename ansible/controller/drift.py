@@ -54,22 +54,24 @@ def arguments() -> argparse.Namespace:
 
 def read(path: Path) -> list[dict[str, Any]]:
     """Return the robots of a file, each with ``name``, ``settings``, ``why`` and ``inventory``."""
-    mend = "run `make drift`"
+    advice = "run `make drift`"
     try:
         document = json.loads(path.read_text())
     except OSError as error:
-        raise InputError(f"not readable ({error.strerror})", source=str(path), mend=mend) from None
+        raise InputError(
+            f"not readable ({error.strerror})", source=str(path), advice=advice
+        ) from None
     except ValueError:
-        raise InputError("is not JSON", source=str(path), mend=mend) from None
+        raise InputError("is not JSON", source=str(path), advice=advice) from None
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        raise InputError(f"is not {SCHEMA}", source=str(path), field="schema", mend=mend)
+        raise InputError(f"is not {SCHEMA}", source=str(path), field="schema", advice=advice)
     robots = document.get("robots")
     for number, robot in enumerate(robots if isinstance(robots, list) else [None]):
         field = f"robots[{number}]"
         if not isinstance(robot, dict) or not {"name", "settings", "why", "inventory"} <= set(
             robot
         ):
-            raise InputError("is not whole", source=str(path), field=field, mend=mend)
+            raise InputError("is not whole", source=str(path), field=field, advice=advice)
     return list(robots or [])
 
 

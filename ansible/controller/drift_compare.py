@@ -49,9 +49,9 @@ class Checkout:
                 raise InputError(why, source=str(path), field="lock") from None
             except ValueError as error:
                 why = f"is not a lock ({str(error).splitlines()[0]})"
-                raise InputError(why, source=str(path), mend="run `make lock`") from None
+                raise InputError(why, source=str(path), advice="run `make lock`") from None
             if not found:
-                raise InputError("it pins nothing", source=str(path), mend="run `make lock`")
+                raise InputError("it pins nothing", source=str(path), advice="run `make lock`")
             self.known[key] = {**found, "qrobot": __version__}
         return self.known[key]
 

@@ -84,8 +84,10 @@ def _missing(failed: dict[str, str], asked: int) -> str:
         shown = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
         parts.append(f"{reason} ({shown})")
     verb = "wheels is" if len(failed) == 1 else "wheels are"
-    mend = "connect this machine, or point pip at an index or a folder that has them"
-    return f"{len(failed)} of {asked} {verb} missing: {'; '.join(parts)}: {mend}, and run it again"
+    advice = "connect this machine, or point pip at an index or a folder that has them"
+    return (
+        f"{len(failed)} of {asked} {verb} missing: {'; '.join(parts)}: {advice}, and run it again"
+    )
 
 
 def _refused_file(fault: str) -> str | None:

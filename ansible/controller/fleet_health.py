@@ -27,8 +27,8 @@ def main() -> None:
     try:
         asked = {robot["name"]: str(robot["why"]) for robot in json.load(sys.stdin)}
     except (ValueError, TypeError, KeyError):
-        mend = 'give [{"name": ROBOT, "why": "" or why it sent none}]'
-        raise InputError("is not a list of robots", source="stdin", mend=mend) from None
+        advice = 'give [{"name": ROBOT, "why": "" or why it sent none}]'
+        raise InputError("is not a list of robots", source="stdin", advice=advice) from None
     reports: list[Report] = []
     silent = []
     for name, absent in asked.items():

@@ -135,7 +135,7 @@ def scan_wheel(path: Path) -> list[Finding]:
                         found += search(package, entry.filename, head + file.read())
             return found
     except (InvalidWheelFilename, zipfile.BadZipFile):
-        raise InputError("not a wheel", source=str(path), mend="give a .whl file") from None
+        raise InputError("not a wheel", source=str(path), advice="give a .whl file") from None
     except OSError as error:
         raise InputError(f"not readable ({error.strerror})", source=str(path)) from None
 
@@ -208,7 +208,7 @@ def main() -> None:
     for path in parser.parse_args().wheels:
         given += sorted(path.glob("*.whl")) if path.is_dir() else [path]
     if not given:
-        raise InputError("wheels are missing", field="WHEEL", mend="run `make wheelhouse`")
+        raise InputError("wheels are missing", field="WHEEL", advice="run `make wheelhouse`")
     known = reviews()
     found = [one for path in given for one in scan_wheel(path)]
     for line in table(found, known):

@@ -116,8 +116,8 @@ class Apt:
     def _sources(self, folder: Path) -> None:
         texts = [path for path in sorted(folder.rglob("*")) if path.suffix in {".list", ".sources"}]
         if not texts:
-            mend = "fetch the robot's facts again"
-            raise InputError("they name no source", field="--facts", mend=mend)
+            advice = "fetch the robot's facts again"
+            raise InputError("they name no source", field="--facts", advice=advice)
         for number, path in enumerate(texts):
             rewritten = self._signed_by(path.read_text(), path.name)
             (self.root / "sources" / f"{number}{path.suffix}").write_text(rewritten)
@@ -130,7 +130,7 @@ class Apt:
             if copy is None:
                 raise InputError(
                     f"the key {found[0]} that {name} names is not there",
-                    field="--facts", mend="fetch the robot's keyrings again",
+                    field="--facts", advice="fetch the robot's keyrings again",
                 )  # fmt: skip
             return str(copy)
 
@@ -167,8 +167,10 @@ class Apt:
         done = self._get("--print-uris", "install", *packages)
         if unknown := UNKNOWN.search(done.stderr + done.stdout):
             name = unknown[1] or unknown[2]
-            mend = "check its name and the robot's sources"
-            raise InputError(f"no source of the robot has {name}", field="--packages", mend=mend)
+            advice = "check its name and the robot's sources"
+            raise InputError(
+                f"no source of the robot has {name}", field="--packages", advice=advice
+            )
         if done.returncode:
             raise BackendError(
                 "apt finds no way to install these packages on the robot "

@@ -41,7 +41,7 @@ def main() -> None:
     wanted = read_lock(lock, target)
     uv_pin = next((pin for pin in read_lock(options.uv_lock, target) if pin.name == "uv"), None)
     if uv_pin is None:
-        raise InputError("it pins no uv", source=str(options.uv_lock), mend="run `make lock`")
+        raise InputError("it pins no uv", source=str(options.uv_lock), advice="run `make lock`")
     with lock_folder(folder, "wheelhouse"):
         store = Store(folder, target)
         own = take_own_wheel(options.wheel, store) if options.wheel else own_wheel(store)
@@ -82,8 +82,8 @@ def arguments() -> argparse.Namespace:
 
 def choice(field: str, value: str, known: Any) -> str:
     if value not in known:
-        mend = f"give {' or '.join(known)}"
-        raise InputError(f"{value} is not known", field=f"--{field}", mend=mend)
+        advice = f"give {' or '.join(known)}"
+        raise InputError(f"{value} is not known", field=f"--{field}", advice=advice)
     return value
 
 
@@ -99,12 +99,12 @@ def read_lock(path: Path, target: Target) -> list[Pin]:
     except ValueError as error:
         why = str(error).splitlines()[0]
         raise InputError(
-            f"is not a lock ({why})", source=str(path), mend="run `make lock`"
+            f"is not a lock ({why})", source=str(path), advice="run `make lock`"
         ) from None
     bare = [pin.name for pin in found if not pin.hashes]
     if bare or not found:
         problem = f"{bare[0]} has no hash" if bare else f"it pins nothing for {target}"
-        raise InputError(problem, source=str(path), mend="run `make lock`")
+        raise InputError(problem, source=str(path), advice="run `make lock`")
     return found
 
 
@@ -115,8 +115,10 @@ def take_own_wheel(path: Path, store: Store) -> File:
     except InvalidWheelFilename:
         name, tags = None, frozenset()
     if name != "qrobot" or not tags & store.target.tags:
-        mend = "build one with `make dist`"
-        raise InputError("is not a wheel of qRobot", source=str(path), field="--wheel", mend=mend)
+        advice = "build one with `make dist`"
+        raise InputError(
+            "is not a wheel of qRobot", source=str(path), field="--wheel", advice=advice
+        )
     with store.scratch() as folder:
         try:
             copy = Path(shutil.copyfile(path, folder / path.name))

@@ -47,7 +47,7 @@ def service_of(job: RemoteJob, get_backend: GetBackend) -> RemoteService:
     backend = get_backend(job.backend)
     if not isinstance(backend, RemoteService):
         raise InputError(
-            f"backend {job.backend} of job {job.id} keeps no jobs", mend="see 'qrobot backends'"
+            f"backend {job.backend} of job {job.id} keeps no jobs", advice="see 'qrobot backends'"
         )
     return backend
 

@@ -106,8 +106,8 @@ def get(name: str) -> Planner | PickingSampler:
         return cast("Planner | PickingSampler", plugins[name].load()())
     every = ["auto", *names()]
     meant = near(str(name), every)
-    mend = f"{meant} use one of: {', '.join(every)}".lstrip()
-    raise InputError(f"{name!r} is not a backend", field="backend", mend=mend)
+    advice = f"{meant} use one of: {', '.join(every)}".lstrip()
+    raise InputError(f"{name!r} is not a backend", field="backend", advice=advice)
 
 
 def get_planner(name: str) -> Planner:

@@ -90,7 +90,7 @@ def _checked(sample: Callable[..., Any]) -> Callable[..., Any]:
             raise InputError(
                 f"an object of class {type(bqm).__name__} is not a binary quadratic model",
                 field="bqm",
-                mend=_other_model(bqm),
+                advice=_other_model(bqm),
             )
         check_parameters(self, parameters)
         check_finite(bqm)
@@ -131,7 +131,7 @@ def check_parameters(
         raise InputError(
             f"backend {sampler.name} takes no option {', '.join(unknown)}",
             field=unknown[0],
-            mend=near(unknown[0], [*known, *also]) or f"it takes {', '.join(sorted(known))}",
+            advice=near(unknown[0], [*known, *also]) or f"it takes {', '.join(sorted(known))}",
         )
     declared = {**COMMON, **sampler.accepts}
     for name, value in parameters.items():
@@ -163,7 +163,7 @@ def check_finite(bqm: dimod.BinaryQuadraticModel) -> None:
         raise InputError(
             f"the coefficient {where}is not a finite number",
             field="bqm",
-            mend="check the distances and penalties that it was made from",
+            advice="check the distances and penalties that it was made from",
         )
 
 

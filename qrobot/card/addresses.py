@@ -100,11 +100,11 @@ def _name_server(text: str, own: Interface) -> Address:
     option = "--dns"
     server = _address(text, option)
     if not _is_machine(server) or server in _ends(own):
-        mend = "give the one of a name server, such as 9.9.9.9"
-        raise _refused(text, option, "is not the address of one machine on a network", mend)
+        advice = "give the one of a name server, such as 9.9.9.9"
+        raise _refused(text, option, "is not the address of one machine on a network", advice)
     if server == own.ip:
-        mend = "give the one of a name server, such as 9.9.9.9"
-        raise _refused(text, option, "is the robot itself, which has no name server", mend)
+        advice = "give the one of a name server, such as 9.9.9.9"
+        raise _refused(text, option, "is the robot itself, which has no name server", advice)
     return server
 
 
@@ -137,5 +137,5 @@ def _ends(own: Interface) -> tuple[Address, ...]:
     return (first, last) if own.version == 4 else (first,)
 
 
-def _refused(value: str, field: str, problem: str, mend: str) -> InputError:
-    return InputError(f"{value!a} {problem}", field=field, mend=mend)
+def _refused(value: str, field: str, problem: str, advice: str) -> InputError:
+    return InputError(f"{value!a} {problem}", field=field, advice=advice)

@@ -30,7 +30,7 @@ def files(seed: Seed) -> dict[str, str]:
     InputError
         When the seed holds what this release's first boot does not read.
     """
-    for value, option, mend in (
+    for value, option, advice in (
         (seed.address, "--static-address", "let the router reserve one"),
         (seed.locale, "--locale", "set it later with raspi-config"),
     ):
@@ -38,7 +38,7 @@ def files(seed: Seed) -> dict[str, str]:
             raise InputError(
                 "is not read by the first boot of bookworm",
                 field=option,
-                mend=f"leave it out: {mend}",
+                advice=f"leave it out: {advice}",
             )
     if seed.wifi is not None:
         _check_wifi(seed.wifi)
@@ -57,14 +57,14 @@ def _check_wifi(wifi: Wifi) -> None:
         raise InputError(
             "is not known to the first boot of bookworm",
             field="--wifi-wpa3",
-            mend="use --wifi-plain, which speaks WPA2 and WPA3",
+            advice="use --wifi-plain, which speaks WPA2 and WPA3",
         )
     # It copies a passphrase as it is, as an argument and into a keyfile, where these mean more.
     if wifi.security == "mixed" and re.search(r"^[- ]| $|\\", wifi.key):
         raise InputError(
             "has a backslash, or a space or hyphen at an end, which bookworm does not copy whole",
             field="--wifi-passphrase-file",
-            mend="leave --wifi-plain out, or change the passphrase",
+            advice="leave --wifi-plain out, or change the passphrase",
         )
 
 

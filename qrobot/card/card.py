@@ -60,7 +60,7 @@ def seed_files(seed: Seed, release: str = "trixie") -> dict[str, str]:
         raise InputError(
             f"{release!a} is not a release that is known",
             field="--release",
-            mend=f"use one of: {', '.join(RELEASES)}",
+            advice=f"use one of: {', '.join(RELEASES)}",
         )
     return RELEASES[release](seed)
 
@@ -91,7 +91,7 @@ def write_card(
         raise InputError(
             f"{os.fspath(folder)!r} is not a folder",
             field="DEST",
-            mend="give the folder where the boot partition is mounted, such as /media/me/bootfs",
+            advice="give the folder where the boot partition is mounted, such as /media/me/bootfs",
         )
     others = _of_another_seed(place, texts)
     if not force:
@@ -122,7 +122,7 @@ def _remove(path: Path) -> None:
         path.unlink()
     except OSError as error:
         raise InputError(
-            f"cannot be removed: {error.strerror}", source=str(path), mend="remove it"
+            f"cannot be removed: {error.strerror}", source=str(path), advice="remove it"
         ) from None
 
 
@@ -132,7 +132,7 @@ def _refuse_to_replace(place: Path, texts: Mapping[str, str], others: list[Path]
         raise InputError(
             "is there already and would set up the card in its own way",
             source=str(script),
-            mend="write the card anew without settings, or use --force",
+            advice="write the card anew without settings, or use --force",
         )
     for name, text in texts.items():
         there = _read(place / name)
@@ -140,13 +140,13 @@ def _refuse_to_replace(place: Path, texts: Mapping[str, str], others: list[Path]
             raise InputError(
                 "holds other settings already",
                 source=str(place / name),
-                mend="look at it, then use --force to replace it",
+                advice="look at it, then use --force to replace it",
             )
     if others:
         raise InputError(
             "is of other settings, and the first boot may read it too",
             source=str(others[0]),
-            mend="look at it, then use --force to remove it",
+            advice="look at it, then use --force to remove it",
         )
 
 
@@ -157,7 +157,7 @@ def _read(path: Path) -> bytes | None:
         return None
     except OSError as error:
         raise InputError(
-            f"cannot be read: {error.strerror}", source=str(path), mend="move it away"
+            f"cannot be read: {error.strerror}", source=str(path), advice="move it away"
         ) from None
 
 

@@ -41,19 +41,19 @@ def public_keys(text: str, source: str) -> list[str]:
             "holds a private key, which must never leave your machine",
             source=source,
             field="--key",
-            mend="give the public one, whose file ends with .pub",
+            advice="give the public one, whose file ends with .pub",
         )
     if "BEGIN SSH2 PUBLIC KEY" in text:
         raise InputError(
             "is a public key in another form",
             source=source,
             field="--key",
-            mend="turn it into a line of OpenSSH with: ssh-keygen -i -f FILE",
+            advice="turn it into a line of OpenSSH with: ssh-keygen -i -f FILE",
         )
     lines = [line.strip() for line in text.splitlines()]
     keys = [_checked(line, source) for line in lines if line and not line.startswith("#")]
     if not keys:
-        raise InputError("holds no key", source=source, field="--key", mend=_MAKE)
+        raise InputError("holds no key", source=source, field="--key", advice=_MAKE)
     return list(dict.fromkeys(keys))
 
 
@@ -65,7 +65,7 @@ def _checked(line: str, source: str) -> str:
     except ValueError:  # no base64, or cut off
         fault = "a line that is not a public key"
     if fault:
-        raise InputError(f"holds {fault}", source=source, field="--key", mend=_MAKE)
+        raise InputError(f"holds {fault}", source=source, field="--key", advice=_MAKE)
     # The comment is not part of the key; what a first boot does with other characters is unknown.
     comment = re.sub(r"[^A-Za-z0-9._@+-]+", "_", comment.strip())[:80]
     return f"{kind} {body} {comment}".strip()

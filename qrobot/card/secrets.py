@@ -29,9 +29,9 @@ def checked_passphrase(text: str, *, field: str = "passphrase") -> str:
     return _passphrase(text, field, "give 8 to 63 characters of ASCII")
 
 
-def _passphrase(text: str, field: str, mend: str) -> str:
+def _passphrase(text: str, field: str, advice: str) -> str:
     if not (8 <= len(text) <= 63 and all(" " <= one <= "~" for one in text)):
-        raise InputError("is not a passphrase of WPA", field=field, mend=mend)
+        raise InputError("is not a passphrase of WPA", field=field, advice=advice)
     return text
 
 
@@ -79,7 +79,8 @@ def password_hash(password: str, *, field: str = "password") -> str:
         raise InputError(
             "the password cannot be used",
             field=field,
-            mend=f"give {SHORTEST} to 200 printable characters, or leave it out: the key is enough",
+            advice=f"give {SHORTEST} to 200 printable characters, or leave it out: "
+            "the key is enough",
         )
     hashed = _yescrypt(password) or _sha512(password)
     if hashed is None or not _HASH.fullmatch(hashed):

@@ -69,8 +69,8 @@ def check_country_code(text: str) -> str:
     """Return the code of a country (ISO 3166), in capitals."""
     code = text.upper()
     if code not in _ISO_3166.split():
-        mend = "give GB" if code == "UK" else "give the two letters of ISO 3166, such as DE"
-        raise _refused(text, "--wifi-country", "is not the code of a country", mend)
+        advice = "give GB" if code == "UK" else "give the two letters of ISO 3166, such as DE"
+        raise _refused(text, "--wifi-country", "is not the code of a country", advice)
     return code
 
 
@@ -116,8 +116,8 @@ def check_keyboard(text: str) -> str:
     return text
 
 
-def _refused(value: str, field: str, problem: str, mend: str) -> InputError:
-    return InputError(f"{value!a} {problem}", field=field, mend=mend)
+def _refused(value: str, field: str, problem: str, advice: str) -> InputError:
+    return InputError(f"{value!a} {problem}", field=field, advice=advice)
 
 
 Security = Literal["wpa2", "mixed", "wpa3"]
@@ -161,7 +161,7 @@ class Wifi:
         if self.security == "wpa2":
             if not re.fullmatch(r"[0-9a-f]{64}", self.key):
                 raise InputError(
-                    "is not a derived key", field="key", mend="derive it with wifi_key()"
+                    "is not a derived key", field="key", advice="derive it with wifi_key()"
                 )
         else:
             checked_passphrase(self.key, field="key")
@@ -215,11 +215,13 @@ class Seed:
         check_user_name(self.user)
         if not self.keys:
             raise InputError(
-                "there is no key, and nobody could log in", field="--key", mend="give a public key"
+                "there is no key, and nobody could log in",
+                field="--key",
+                advice="give a public key",
             )
         if self.password is not None and not re.fullmatch(r"\$[!-9;-~]+", self.password):
             raise InputError(
-                "is not a hash", field="password", mend="make one with password_hash()"
+                "is not a hash", field="password", advice="make one with password_hash()"
             )
         if self.timezone is not None:
             check_time_zone(self.timezone)

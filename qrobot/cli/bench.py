@@ -110,16 +110,16 @@ def _checked(backends: str, seeds: int, **limits: float | None) -> list[str]:
     from qrobot.errors import InputError
 
     if seeds < 1:
-        raise InputError(f"{seeds} seeds are too few", field="--seeds", mend="give 1 or more")
+        raise InputError(f"{seeds} seeds are too few", field="--seeds", advice="give 1 or more")
     named = [name.strip() for name in backends.split(",") if name.strip()]
     for name in named:
         get(name)
     if not named:
-        raise InputError("no backend is named", field="--backends", mend="name one, such as auto")
+        raise InputError("no backend is named", field="--backends", advice="name one, such as auto")
     for name, value in limits.items():
         if value is not None and not 0 < value < float("inf"):
             field = f"--{name.replace('_', '-')}"
             raise InputError(
-                f"{value} is not above zero", field=field, mend="give a number above 0"
+                f"{value} is not above zero", field=field, advice="give a number above 0"
             )
     return named

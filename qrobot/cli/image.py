@@ -171,7 +171,7 @@ def _once(paths: list[str | None]) -> None:
 
     if paths.count("-") > 1:
         raise InputError(
-            "can be read only once", field="-", mend="give files for all options but one"
+            "can be read only once", field="-", advice="give files for all options but one"
         )
 
 
@@ -179,7 +179,7 @@ def _together(option: str, value: object, other: str, needed: object) -> None:
     from qrobot.errors import InputError
 
     if value is not None and needed is None:
-        raise InputError(f"means nothing without {other}", field=option, mend=f"give {other} too")
+        raise InputError(f"means nothing without {other}", field=option, advice=f"give {other} too")
 
 
 def _keys(paths: tuple[str, ...]) -> list[str]:
@@ -194,7 +194,7 @@ def _keys(paths: tuple[str, ...]) -> list[str]:
             raise InputError(
                 f"no public key in {folder}",
                 field="--key",
-                mend="make one with: ssh-keygen -t ed25519",
+                advice="make one with: ssh-keygen -t ed25519",
             )
         paths = (str(usual[0]),)
     keys = [key for path in paths for key in public_keys(_text(path), path)]
@@ -208,7 +208,7 @@ def _secret(path: str | None, question: str, option: str, *, confirm: bool = Fal
     if path is not None:
         return _text(path).split("\n")[0].removesuffix("\r")
     if not sys.stdin.isatty():
-        raise InputError("there is no terminal to ask at", field=option, mend="give it")
+        raise InputError("there is no terminal to ask at", field=option, advice="give it")
     answer: str = click.prompt(question, hide_input=True, confirmation_prompt=confirm, err=True)
     return answer
 

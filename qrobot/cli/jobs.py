@@ -114,7 +114,7 @@ def forget_(days: float) -> None:
 
     if not 0 <= days < float("inf"):
         raise InputError(
-            f"{days:g} is not an age in days", field="--days", mend="give 0 or more days"
+            f"{days:g} is not an age in days", field="--days", advice="give 0 or more days"
         )
     with JobStore() as store:
         say(f"{store.prune(days)} jobs are forgotten")

@@ -27,7 +27,7 @@ __all__ = [
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 FILE = click.Path(readable=False)
-"""A path; who may not read it is told by whoever reads, with the mend."""
+"""A path; who may not read it is told by whoever reads, with the advice."""
 
 
 rounding = click.option("--rounding", help="Rounding of .vrp distances: none, nearest, up or down.")
@@ -59,7 +59,7 @@ def written(*names: str, **more: Any) -> Callable[[Function], Function]:
             raise InputError(
                 f"is given {len(paths)} times ({', '.join(paths)})",
                 field=max(param.opts, key=len),
-                mend="give one file",
+                advice="give one file",
             )
         return paths[0] if paths else None
 
@@ -83,7 +83,7 @@ class Robots(click.ParamType[int | str]):
         raise InputError(
             f"{value!r:.40} is not a number of robots",
             field="--robots",
-            mend="give 1 or more, or 'free'",
+            advice="give 1 or more, or 'free'",
         )
 
 
@@ -117,11 +117,13 @@ class Setting(click.ParamType[tuple[str, Any]]):
         name, equals, text = value.partition("=")
         if not (equals and name.isidentifier()):
             raise InputError(
-                f"{value!r} sets nothing", field="--option", mend="write it as name=value"
+                f"{value!r} sets nothing", field="--option", advice="write it as name=value"
             )
         if name in OWN_FLAGS:
             raise InputError(
-                f"{name} is not an option of a sampler here", field="--option", mend=OWN_FLAGS[name]
+                f"{name} is not an option of a sampler here",
+                field="--option",
+                advice=OWN_FLAGS[name],
             )
         return name, _value(name, text)
 
@@ -131,7 +133,7 @@ def _value(name: str, text: str) -> Any:
 
     def refuse(constant: str) -> NoReturn:
         raise InputError(
-            f"{constant} is not a finite number", field=name, mend="give a plain number"
+            f"{constant} is not a finite number", field=name, advice="give a plain number"
         )
 
     def number(digits: str) -> float:
@@ -172,7 +174,7 @@ def settings_of(flags: dict[str, Any], settings: tuple[tuple[str, Any], ...]) ->
                 f"{flag}={_shown(value)} contradicts {before}{'=' if before == flag else ' '}"
                 f"{_shown(other)}",
                 field="--option",
-                mend="give one of them",
+                advice="give one of them",
             )
     return {name: value for name, (_, value) in found.items()}
 

@@ -246,7 +246,7 @@ def _refuse(flag: str, options: dict[str, Any]) -> None:
 
     for name, value in options.items():
         if value not in (None, False, ()):
-            raise InputError(f"{flag} makes no plan yet", field=name, mend="leave it out")
+            raise InputError(f"{flag} makes no plan yet", field=name, advice="leave it out")
 
 
 def _only(

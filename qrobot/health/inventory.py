@@ -76,13 +76,13 @@ def inventory() -> dict[str, Any]:
             "install": install_command(extra),
         }
     credentials = {}
-    for service, (title, _, mend) in SERVICES.items():
+    for service, (title, _, advice) in SERVICES.items():
         found = presence(service)
         credentials[service] = {
             "title": title,
             "present": found.present,
             "source": found.source,
-            "mend": None if found.present else mend,
+            "mend": None if found.present else advice,
         }
         if found.open_to_others:
             problems.append(

@@ -83,7 +83,7 @@ class Finding:
     value
         For programs: a number, a text, a yes or no, a list of words; None when unknown.
     message
-        What it means, with the mend, as one clause.
+        What it means, with the advice, as one clause.
     unit
         Of a number: ``MiB``, ``°C``, ``bytes``, ``hex`` for a number of bits; None without one.
     steady

@@ -49,7 +49,7 @@ def source_of(check: Check) -> Path:
     raise InputError(
         f"there is no notebook {name}",
         field="--notebooks",
-        mend="run it in a checkout, or install the wheel again",
+        advice="run it in a checkout, or install the wheel again",
     )
 
 
@@ -77,7 +77,7 @@ def prepare(folder: StrPath, checks: Sequence[Check] = ()) -> None:
         raise InputError(
             f"{folder} cannot be written ({error.strerror or type(error).__name__})",
             field="--notebooks",
-            mend="name a folder of your own",
+            advice="name a folder of your own",
         ) from None
 
 

@@ -134,7 +134,7 @@ class Limits:
         for field in ("seconds", "megabytes"):
             if not 0 < (value := getattr(self, field)) < math.inf:
                 raise InputError(
-                    f"{value} is not a limit", field=field, mend="give a finite number above 0"
+                    f"{value} is not a limit", field=field, advice="give a finite number above 0"
                 )
 
 

@@ -25,7 +25,7 @@ LONGEST = 255
 DIGITS, LARGEST = 18, 1e100
 """Of a whole number, and the absolute value of any other: beyond, sums and ratios overflow."""
 
-MEND = "give a file that qrobot health --output wrote"
+ADVICE = "give a file that qrobot health --output wrote"
 
 
 class Clockwork:
@@ -99,13 +99,13 @@ def read_report(path: StrPath) -> Report:
             f"is not JSON: {error.msg}",
             source=source,
             field=f"line {error.lineno}, column {error.colno}",
-            mend=MEND,
+            advice=ADVICE,
         ) from None
     except (RecursionError, ValueError):  # nested without end, or a number beyond all bounds
-        raise InputError("is not a report", source=source, mend=MEND) from None
+        raise InputError("is not a report", source=source, advice=ADVICE) from None
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
-        raise InputError(*_strange(schema), source=source, field="schema", mend=_update(schema))
+        raise InputError(*_strange(schema), source=source, field="schema", advice=_update(schema))
     try:
         found: Report = _adapter().validate_json(text, strict=True)
     except ValidationError as error:
@@ -114,7 +114,7 @@ def read_report(path: StrPath) -> Report:
             first["msg"][:1].lower() + first["msg"][1:],
             source=source,
             field=printable(".".join(map(str, first["loc"]))) or None,
-            mend=MEND,
+            advice=ADVICE,
         ) from None
     try:
         made = datetime.fromisoformat(found.made)
@@ -126,14 +126,14 @@ def read_report(path: StrPath) -> Report:
             f"{found.made[:40]!r} is not a time with its zone",
             source=source,
             field="made",
-            mend=MEND,
+            advice=ADVICE,
         ) from None
     if len(found.host) > LONGEST:
         raise InputError(
             f"a name of {len(found.host)} letters is not that of a host",
             source=source,
             field="host",
-            mend=MEND,
+            advice=ADVICE,
         )
     return found
 
@@ -165,7 +165,7 @@ def _strange(schema: object) -> tuple[str]:
 
 def _update(schema: object) -> str:
     newer = (_number(schema) or 0) > (_number(SCHEMA) or 0)
-    return "update qRobot, or make the report anew with this one" if newer else MEND
+    return "update qRobot, or make the report anew with this one" if newer else ADVICE
 
 
 @cache

@@ -63,7 +63,7 @@ def run_all(
         When `jobs` is less than one.
     """
     if jobs < 1:
-        raise InputError(f"cannot run {jobs} checks at once", field="jobs", mend="use 1 or more")
+        raise InputError(f"cannot run {jobs} checks at once", field="jobs", advice="use 1 or more")
     stop = Event()
     limits = limits or Limits()
     begun: list[Future[CheckResult]] = []
@@ -88,7 +88,7 @@ def _run(check: Check, limits: Limits, stop: Event) -> CheckResult:
     versions = check.versions()
     missing = [name for name in check.distributions if name not in versions]
     if missing:
-        return _result(check, versions, "absent", _mend(check, missing))
+        return _result(check, versions, "absent", _advice(check, missing))
     watched = _watch(check, limits, stop)
     if isinstance(watched, str):
         return _result(check, versions, "error", watched)
@@ -137,7 +137,7 @@ def _why(process: Process, code: int) -> str:
     return f"{phase} ended the process with code {code}{f': {words}' if words else ''}"
 
 
-def _mend(check: Check, missing: Sequence[str]) -> str:
+def _advice(check: Check, missing: Sequence[str]) -> str:
     what = f"{', '.join(missing)} not installed"
     return f"{what}: {install_command(check.extra)}" if check.extra else what
 

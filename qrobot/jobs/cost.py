@@ -61,7 +61,7 @@ def price(name: str) -> float:
         value = math.nan
     if not (math.isfinite(value) and value >= 0):
         raise InputError(
-            f"the variable {variable} holds no amount of money", mend="give US dollars, as in 1.5"
+            f"the variable {variable} holds no amount of money", advice="give US dollars, as in 1.5"
         )
     return value
 
@@ -157,7 +157,7 @@ def check_budget(estimate: Estimate, max_cost: float | None) -> None:
         raise InputError(
             f"{max_cost:g} is not an amount of money",
             field="max_cost",
-            mend="give 0 or more dollars",
+            advice="give 0 or more dollars",
         )
     if estimate.usd is None:
         raise BackendError(

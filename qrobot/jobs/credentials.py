@@ -33,7 +33,7 @@ class Presence:
         Whether something was found; it may still be refused.
     source
         Where, such as ``variable DWAVE_API_TOKEN``; never what.
-    mend
+    advice
         How to provide it.
     open_to_others
         True when the file can be read by other users of this machine.
@@ -42,7 +42,7 @@ class Presence:
     service: str
     present: bool
     source: str
-    mend: str
+    advice: str
     open_to_others: bool = False
 
 
@@ -147,17 +147,17 @@ def presence(service: str) -> Presence:
     service
         A key of `SERVICES`.
     """
-    _, variables, mend = SERVICES[service]
+    _, variables, advice = SERVICES[service]
     for name in variables:
         if os.environ.get(name):
-            return Presence(service, True, f"variable {name}", mend)
+            return Presence(service, True, f"variable {name}", advice)
     for path in _FILES[service]():
         if any(_is_secret(name) and value for name, value in _pairs(path)):
             try:
                 others = bool(path.stat().st_mode & 0o077)
             except OSError:
                 others = False
-            return Presence(service, True, f"file {path}", mend, others)
+            return Presence(service, True, f"file {path}", advice, others)
     if service == "aws":
         for name in (
             "AWS_WEB_IDENTITY_TOKEN_FILE",
@@ -166,8 +166,8 @@ def presence(service: str) -> Presence:
             "AWS_PROFILE",
         ):
             if os.environ.get(name):
-                return Presence(service, True, f"variable {name}", mend)
-    return Presence(service, False, "not found", mend)
+                return Presence(service, True, f"variable {name}", advice)
+    return Presence(service, False, "not found", advice)
 
 
 def require(service: str) -> Presence:
@@ -181,5 +181,5 @@ def require(service: str) -> Presence:
     found = presence(service)
     if not found.present:
         title = SERVICES[service][0]
-        raise CredentialsError(f"there are no credentials for {title}; {found.mend}")
+        raise CredentialsError(f"there are no credentials for {title}; {found.advice}")
     return found

@@ -63,7 +63,7 @@ def run_job(
         raise InputError(
             f"timeout {chosen.timeout} is not positive",
             field="timeout",
-            mend="give seconds above 0",
+            advice="give seconds above 0",
         )
     if bqm.num_variables == 0:
         import dimod

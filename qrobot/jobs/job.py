@@ -172,6 +172,6 @@ def pack_model(bqm: dimod.BinaryQuadraticModel) -> bytes:
         raise InputError(
             "a label of the model cannot be kept with the job",
             field="bqm",
-            mend="use numbers, texts or tuples of them as labels",
+            advice="use numbers, texts or tuples of them as labels",
         )
     return zlib.compress(data, 6)

@@ -115,7 +115,7 @@ class JobStore:
             raise InputError(
                 f"was written by a newer qrobot (version {found})",
                 source=str(self.path),
-                mend="upgrade qrobot, or move the file away",
+                advice="upgrade qrobot, or move the file away",
             )
         self._db.execute(_TABLE)
         if found != VERSION:
@@ -124,7 +124,7 @@ class JobStore:
     def _unusable(self, why: str) -> InputError:
         return InputError(
             f"cannot keep jobs in {str(self.path)!r}: {why}",
-            mend="set XDG_STATE_HOME to a folder that can be written, or mend the file",
+            advice="set XDG_STATE_HOME to a folder that can be written, or advice the file",
         )
 
     @contextmanager
@@ -196,7 +196,9 @@ class JobStore:
         """
         if state is not None and state not in STATES:
             raise InputError(
-                f"{state!r} is not a state", field="state", mend=f"use one of: {', '.join(STATES)}"
+                f"{state!r} is not a state",
+                field="state",
+                advice=f"use one of: {', '.join(STATES)}",
             )
         with self._translated():
             rows = self._db.execute(
@@ -225,7 +227,7 @@ class JobStore:
         if len(rows) != 1:
             found = "no job is" if not rows else "more than one job is"
             raise InputError(
-                f"{found} named {redact(name)!r}", field="job", mend="see 'qrobot jobs list'"
+                f"{found} named {redact(name)!r}", field="job", advice="see 'qrobot jobs list'"
             )
         return _job(rows[0])
 

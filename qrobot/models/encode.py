@@ -50,7 +50,7 @@ def encode_routes(
             raise InputError(
                 f"{len(route)} items are more than robot {layout.fleet.names[k]} can take",
                 field=f"routes[{k}]",
-                mend="give a plan that keeps to the capacities",
+                advice="give a plan that keeps to the capacities",
             )
         stops += [0] * (layers - len(stops))
         for t, node in enumerate(stops):
@@ -60,7 +60,7 @@ def encode_routes(
                     f"the model has no variable for robot {layout.fleet.names[k]} at "
                     f"{instance.node_name(node)} at step {t + layout.first}",
                     field=f"routes[{k}]",
-                    mend="give a plan that keeps to the capacities",
+                    advice="give a plan that keeps to the capacities",
                 )
             bits[where] = 1
         mine = np.flatnonzero(layout.slack_vehicle == k)
@@ -82,7 +82,7 @@ def _seated(instance: Instance, layout: Layout, routes: Sequence[Sequence[int]])
                 raise InputError(
                     f"node {v} is not an item",
                     field=f"routes[{k}]",
-                    mend=f"items are the nodes 1 to {layout.items}",
+                    advice=f"items are the nodes 1 to {layout.items}",
                 )
     if len(plan) > len(layout.fleet):
         plan = [route for route in plan if route]
@@ -90,7 +90,7 @@ def _seated(instance: Instance, layout: Layout, routes: Sequence[Sequence[int]])
         raise InputError(
             f"{len(plan)} routes for {len(layout.fleet)} vehicles",
             field="routes",
-            mend="give a route for each vehicle at most",
+            advice="give a route for each vehicle at most",
         )
     plan += [[] for _ in range(len(layout.fleet) - len(plan))]
     rooms = layout.fleet.capacities.tolist()

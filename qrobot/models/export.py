@@ -38,7 +38,7 @@ def format_of(path: StrPath) -> str:
         raise InputError(
             f"the ending {ending!r} does not name a format",
             source=os.fspath(path),
-            mend="use .lp, .bqm.json, .bqm or .coo",
+            advice="use .lp, .bqm.json, .bqm or .coo",
         )
     return FORMATS[ending]
 

@@ -163,7 +163,7 @@ def check_size(size: int, encoding: Encoding) -> None:
             f"the {encoding} model would have {size} binary variables, "
             f"more than the {MAX_VARIABLES} that one model may have",
             field="encoding",
-            mend="plan fewer items at a time"
+            advice="plan fewer items at a time"
             if encoding == "compact"
             else "use the compact encoding, or plan fewer items at a time",
         )

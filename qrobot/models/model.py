@@ -187,7 +187,7 @@ def build_model(
         raise InputError(
             f"the {encoding} encoding keeps its symmetry",
             field="symmetry",
-            mend="use the compact encoding, or symmetry 'keep'",
+            advice="use the compact encoding, or symmetry 'keep'",
         )
     if encoding == "full":
         layout = full_layout(instance, slack)
@@ -238,11 +238,11 @@ def _check_digits(instance: Instance, layout: Layout, weights: Penalties) -> Non
             f"capacity {float(room * instance.unit):g} is so much larger than the weights that "
             f"energies would lose their digits in the {layout.encoding} encoding",
             field="robots[].capacity",
-            mend="use the compact encoding, penalties 'measured', or a capacity no larger than the "
-            f"total load {float(int(instance.weights.sum()) * instance.unit):g}",
+            advice="use the compact encoding, penalties 'measured', or a capacity no larger than "
+            f"the total load {float(int(instance.weights.sum()) * instance.unit):g}",
         )
 
 
 def _choice(field: str, value: object, known: Sequence[str]) -> None:
     if value not in known:
-        raise InputError(f"{value!r} is unknown", field=field, mend=f"use {', '.join(known)}")
+        raise InputError(f"{value!r} is unknown", field=field, advice=f"use {', '.join(known)}")

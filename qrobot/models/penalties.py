@@ -64,13 +64,13 @@ class Penalties:
                 raise InputError(
                     f"{value!r} is not a number",
                     field=f"penalties.{field.name}",
-                    mend="give a weight of zero or more",
+                    advice="give a weight of zero or more",
                 )
             if not (math.isfinite(value) and value >= 0):
                 raise InputError(
                     f"weight {float(value):g} is negative or not finite",
                     field=f"penalties.{field.name}",
-                    mend="give a weight of zero or more",
+                    advice="give a weight of zero or more",
                 )
 
     @classmethod
@@ -164,7 +164,7 @@ class Penalties:
             raise InputError(
                 f"{given!r} does not name weights",
                 field="penalties",
-                mend='use safe, measured, or some by name, such as {"visit": 30.0}',
+                advice='use safe, measured, or some by name, such as {"visit": 30.0}',
             )
         measured = cls.measured(instance, encoding)
         if not given:
@@ -175,7 +175,7 @@ class Penalties:
                 raise InputError(
                     f"there is no weight {name!r}",
                     field="penalties",
-                    mend=f"use some of {', '.join(names)}",
+                    advice=f"use some of {', '.join(names)}",
                 )
         return dataclasses.replace(measured, **given)
 

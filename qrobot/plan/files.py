@@ -59,7 +59,7 @@ def read_plan(path: StrPath) -> Plan:
             error.problem,
             source=os.fspath(path),
             field=f"{error.field}, {place}" if place else error.field,
-            mend=error.mend,
+            advice=error.advice,
         ) from None
 
 
@@ -78,5 +78,5 @@ def plan_of(answer: Any) -> Plan:
         return plan
     raise InputError(
         f"an object of class {type(answer).__name__} is not a plan",
-        mend="give a result of qrobot.solve, its plan, or the path of a plan's file",
+        advice="give a result of qrobot.solve, its plan, or the path of a plan's file",
     )

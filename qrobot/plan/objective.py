@@ -94,5 +94,5 @@ def objective_named(name: str, *, field: str = "objective") -> Objective:
     if name in OBJECTIVES:
         return OBJECTIVES[name]
     meant = near(str(name), OBJECTIVES)
-    mend = f"{meant} use one of: {', '.join(OBJECTIVES)}".lstrip()
-    raise InputError(f"{name!r} is not an objective", field=field, mend=mend)
+    advice = f"{meant} use one of: {', '.join(OBJECTIVES)}".lstrip()
+    raise InputError(f"{name!r} is not an objective", field=field, advice=advice)

@@ -204,13 +204,13 @@ class Plan:
             When the data is not a plan of schema ``qrobot.plan/1``.
         """
         if not isinstance(data, dict):
-            raise InputError("not a plan", source=source, mend="give a plan that qrobot wrote")
+            raise InputError("not a plan", source=source, advice="give a plan that qrobot wrote")
         if data.get("schema") != PLAN_SCHEMA:
             raise InputError(
                 f"unknown schema {data.get('schema')!r}",
                 source=source,
                 field="schema",
-                mend=f"this version reads {PLAN_SCHEMA!r}",
+                advice=f"this version reads {PLAN_SCHEMA!r}",
             )
         top = _Fields(data, "", source)
         trips = []
@@ -302,7 +302,7 @@ class _Fields:
 
     def _error(self, problem: str, field: str) -> InputError:
         return InputError(
-            problem, source=self.source, field=field, mend="give a plan that qrobot wrote"
+            problem, source=self.source, field=field, advice="give a plan that qrobot wrote"
         )
 
 

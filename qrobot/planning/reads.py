@@ -169,6 +169,6 @@ def parameters_of(
         raise InputError(
             f"{reads} reads of {model.num_variables} variables do not fit into memory",
             field="num_reads",
-            mend=f"use at most {MAX_CELLS // model.num_variables}",
+            advice=f"use at most {MAX_CELLS // model.num_variables}",
         )
     return parameters

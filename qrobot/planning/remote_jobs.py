@@ -95,7 +95,7 @@ def submit(
     check_arguments(backend=backend, seed=seed, max_cost=max_cost)
     instance = instance_of(instance)
     if not instance.orders:
-        raise InputError("there is nothing to collect", field="orders", mend="leave the job out")
+        raise InputError("there is nothing to collect", field="orders", advice="leave the job out")
     if (reason := reason_infeasible(instance)) is not None:
         raise InfeasibleError(reason)
     sampler = _remote(backend, options)
@@ -135,7 +135,7 @@ def collect(job: str, store: JobStore) -> Result:
         raise InputError(
             f"job {kept.id} was sampled without an instance",
             field="job",
-            mend="leave out what asks for a plan, and take the samples",
+            advice="leave out what asks for a plan, and take the samples",
         )
     instance = parse_native(text)
     model = build_model(instance, **kept.context.get("model", {}))
@@ -153,6 +153,6 @@ def _remote(backend: str, options: dict[str, Any]) -> PickingSampler:
         raise InputError(
             f"backend {backend} runs on this machine: there is no job to hand over",
             field="backend",
-            mend="wait for it, or name a remote one",
+            advice="wait for it, or name a remote one",
         )
     return sampler

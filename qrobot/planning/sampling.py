@@ -97,7 +97,7 @@ class SamplerStrategy(Strategy):
                 raise InputError(
                     f"{name} belongs to qrobot.planning.{flag}",
                     field=name,
-                    mend=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
+                    advice=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
                 )
         chosen, sampling = split_options(sampler, options)
         run.begin(sampler.name)
@@ -206,7 +206,7 @@ def _check_size(instance: Instance, sampler: PickingSampler) -> None:
             f"{instance.size} items need a model of more than {least} binary variables, "
             f"backend {sampler.name} takes {limit}",
             field="backend",
-            mend="use backend auto, or plan fewer items at a time",
+            advice="use backend auto, or plan fewer items at a time",
         )
 
 

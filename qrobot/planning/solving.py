@@ -169,10 +169,10 @@ def _local(name: str) -> Strategy:
     try:
         strategy = strategy_of(name)
     except InputError as error:
-        raise InputError(error.problem, field="fallback", mend=error.mend) from None
+        raise InputError(error.problem, field="fallback", advice=error.advice) from None
     if not strategy.capabilities.local:
         raise InputError(
-            f"backend {name} is remote itself", field="fallback", mend="name a local one, as auto"
+            f"backend {name} is remote itself", field="fallback", advice="name a local one, as auto"
         )
     return strategy
 
@@ -190,7 +190,7 @@ def _check_objective(strategy: Strategy, objective: Objective, instance: Instanc
         raise InputError(
             f"backend {strategy.name} cannot optimise {objective.name} with unlike robots",
             field="objective",
-            mend=f"use one of: {', '.join(able)}",
+            advice=f"use one of: {', '.join(able)}",
         )
 
 

@@ -89,7 +89,7 @@ class Strategy:
             raise InputError(
                 f"backend {self.name} has no control",
                 field="control",
-                mend="leave it out, or choose a sampler such as neal",
+                advice="leave it out, or choose a sampler such as neal",
             )
 
     def check_options(self, options: Mapping[str, Any]) -> None:
@@ -99,7 +99,7 @@ class Strategy:
             raise InputError(
                 f"backend {self.name} takes no option {', '.join(unknown)}",
                 field=unknown[0],
-                mend=near(unknown[0], ARGUMENTS)
+                advice=near(unknown[0], ARGUMENTS)
                 or "leave it out, or choose a sampler such as neal",
             )
 

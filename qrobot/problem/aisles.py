@@ -237,14 +237,14 @@ class AisleWarehouse:
             raise InputError(
                 f"{self.aisles * (self.blocks + 1)} crossings are more than {MAX_CROSSINGS}",
                 field="aisles",
-                mend="give only the part of the layout that this wave needs",
+                advice="give only the part of the layout that this wave needs",
             )
         # Bounded both ways, so that sums of lengths keep every millimetre apart.
         check_length(self.aisle_pitch, "aisle_pitch", least=MIN_PITCH, most=MAX_PITCH)
         check_length(self.slot_pitch, "slot_pitch", least=MIN_PITCH, most=MAX_PITCH)
         check_length(self.end_gap, "end_gap", most=MAX_PITCH)
         if self.block_length < MIN_PITCH:
-            raise InputError("0 leaves no aisle", field="end_gap", mend="use metres above 0")
+            raise InputError("0 leaves no aisle", field="end_gap", advice="use metres above 0")
         check_length(self.depot_distance, "depot.distance", most=MAX_PITCH)
         check_index(self.depot_aisle, "depot.aisle", count=self.aisles)
         check_index(self.depot_cross_aisle, "depot.cross_aisle", count=self.blocks + 1)
@@ -289,7 +289,7 @@ class AisleWarehouse:
         """Raise `InputError` when a place is not a slot of this layout."""
         if not isinstance(place, Slot):
             raise InputError(
-                f"{place} is not a slot", mend="an aisle warehouse needs aisle, block and slot"
+                f"{place} is not a slot", advice="an aisle warehouse needs aisle, block and slot"
             )
         for name, value, count in (
             ("aisle", place.aisle, self.aisles),
@@ -300,7 +300,7 @@ class AisleWarehouse:
                 raise InputError(
                     f"{name} {value} is outside the layout",
                     field=name,
-                    mend=f"use 0 to {count - 1}, or enlarge the layout",
+                    advice=f"use 0 to {count - 1}, or enlarge the layout",
                 )
 
     def distance_matrix(self, places: Sequence[Place]) -> Floats:

@@ -21,7 +21,7 @@ MAX_LENGTH = 1e9
 def check_count(value: int, field: str, *, most: int) -> None:
     """Raise `InputError` when a count is not 1 to `most`."""
     if not 1 <= value <= most:
-        raise InputError(f"{value} is not 1 to {most}", field=field, mend="correct the layout")
+        raise InputError(f"{value} is not 1 to {most}", field=field, advice="correct the layout")
 
 
 def check_index(value: int, field: str, *, count: int) -> None:
@@ -30,7 +30,7 @@ def check_index(value: int, field: str, *, count: int) -> None:
         raise InputError(
             f"{value} is outside the layout",
             field=field,
-            mend=f"use 0 to {count - 1}" if count else "remove it",
+            advice=f"use 0 to {count - 1}" if count else "remove it",
         )
 
 
@@ -38,7 +38,7 @@ def check_length(value: float, field: str, *, least: float = 0.0, most: float = 
     """Raise `InputError` when a length, metres, is not finite or out of its bounds."""
     if not least <= value <= most:  # NaN too
         raise InputError(
-            f"{value:g} is not {least:g} to {most:g}", field=field, mend="correct it (metres)"
+            f"{value:g} is not {least:g} to {most:g}", field=field, advice="correct it (metres)"
         )
 
 

@@ -76,7 +76,7 @@ class Order:
             raise InputError(
                 f"{self.items!r} is one text, not several ids",
                 field="items",
-                mend="give a tuple of ids",
+                advice="give a tuple of ids",
             )
         object.__setattr__(self, "id", canonical(self.id))
         object.__setattr__(self, "items", tuple(map(canonical, self.items)))

@@ -39,15 +39,15 @@ def fleet_of_size(robots: tuple[Robot, ...], count: int | None, orders: int) -> 
         raise InputError(
             f"{count!r} is not a number of robots",
             field="robots",
-            mend="give a whole number above 0, or 'free'",
+            advice="give a whole number above 0, or 'free'",
         )
     if count < 1:
         raise InputError(
-            f"{count} robots are too few", field="robots", mend="give 1 or more, or 'free'"
+            f"{count} robots are too few", field="robots", advice="give 1 or more, or 'free'"
         )
     if count > MAX_ITEMS:
         raise InputError(
-            f"{count} robots are more than {MAX_ITEMS}", field="robots", mend="give fewer"
+            f"{count} robots are more than {MAX_ITEMS}", field="robots", advice="give fewer"
         )
     if count <= len(robots):
         return robots[:count]
@@ -56,7 +56,7 @@ def fleet_of_size(robots: tuple[Robot, ...], count: int | None, orders: int) -> 
             f"{count} robots are more than the {len(robots)} that there are, and these are not "
             "alike",
             field="robots",
-            mend=f"give at most {len(robots)}, describe more of them in the file, or give 'free'",
+            advice=f"give at most {len(robots)}, describe more of them in the file, or give 'free'",
         )
     used = {robot.id for robot in robots}
     names = (name for k in numbers(1) if (name := f"R{k}") not in used)

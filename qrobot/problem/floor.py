@@ -72,7 +72,7 @@ class OpenFloor:
     def check(self, place: Place) -> None:
         """Raise `InputError` when a place is not a coordinate."""
         if not isinstance(place, Point):
-            raise InputError(f"{place} is not a coordinate", mend="an open floor needs x and y")
+            raise InputError(f"{place} is not a coordinate", advice="an open floor needs x and y")
         check_coordinate(place.x, "x")
         check_coordinate(place.y, "y")
 

@@ -142,7 +142,7 @@ class Instance:
                 f"no way leads from the depot to items {some([self.items[i].id for i in found])} "
                 "and back",
                 field=f"items[{found[0]}].at",
-                mend="move the items" + (f", or {way_out}" if way_out else ""),
+                advice="move the items" + (f", or {way_out}" if way_out else ""),
             )
         return matrix
 

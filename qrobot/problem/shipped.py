@@ -44,6 +44,6 @@ def example_path(path: str | os.PathLike[str]) -> Path | None:
         raise InputError(
             "there is no such example",
             source=text,
-            mend="use one of " + ", ".join(f"example:{known}" for known in sorted(found)),
+            advice="use one of " + ", ".join(f"example:{known}" for known in sorted(found)),
         )
     return found[name]

@@ -50,13 +50,13 @@ class DistanceTable:
         """Check that the matrix is square and made of distances."""
         size = len(self.matrix)
         if not size:
-            raise InputError("is empty", field="matrix", mend="give at least the depot's row")
+            raise InputError("is empty", field="matrix", advice="give at least the depot's row")
         for i, row in enumerate(self.matrix):
             if len(row) != size:
                 raise InputError(
                     f"has {len(row)} entries where the matrix has {size} rows",
                     field=f"matrix[{i}]",
-                    mend="make the matrix square",
+                    advice="make the matrix square",
                 )
         values = np.asarray(self.matrix, dtype=np.float64)
         bad = ~(values >= 0)  # NaN too
@@ -65,14 +65,14 @@ class DistanceTable:
             raise InputError(
                 f"{values[i, j]:g} is not 0 or more",
                 field=f"matrix[{i}][{j}]",
-                mend="correct the distance",
+                advice="correct the distance",
             )
         check_index(self.depot_node, "depot_node", count=size)
         if self.positions is not None and len(self.positions) != size:
             raise InputError(
                 f"{len(self.positions)} positions for {size} rows",
                 field="positions",
-                mend="give each row one position, or leave the positions out",
+                advice="give each row one position, or leave the positions out",
             )
         for i, (x, y) in enumerate(self.positions or ()):
             check_coordinate(x, f"positions[{i}].x")
@@ -96,12 +96,12 @@ class DistanceTable:
     def check(self, place: Place) -> None:
         """Raise `InputError` when a place is not a row of the matrix."""
         if not isinstance(place, Node):
-            raise InputError(f"{place} is not a row", mend="a distance matrix needs node")
+            raise InputError(f"{place} is not a row", advice="a distance matrix needs node")
         if not 0 <= place.index < len(self.matrix):
             raise InputError(
                 f"node {place.index} is outside the matrix",
                 field="node",
-                mend=f"use 0 to {len(self.matrix) - 1}, or add rows",
+                advice=f"use 0 to {len(self.matrix) - 1}, or add rows",
             )
 
     def distance_matrix(self, places: Sequence[Place]) -> Floats:

@@ -18,13 +18,13 @@ import numpy.typing as npt
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_UNITS", "NUMBER", "Quantity", "common_unit", "exact", "in_units", "number_mend"]
+__all__ = ["MAX_UNITS", "NUMBER", "Quantity", "common_unit", "exact", "in_units", "number_advice"]
 
 Quantity = float | int | str | Decimal | Fraction
 """What a weight or a capacity may be given as."""
 
 MAX_UNITS = 2**40
-"""Largest total weight in units: beyond it the mend is to round the weights."""
+"""Largest total weight in units: beyond it the advice is to round the weights."""
 
 MAX_WEIGHT = 10**12
 """Largest weight or capacity, in any unit."""
@@ -32,7 +32,7 @@ MAX_WEIGHT = 10**12
 MAX_DIGITS = 60
 """Most decimals of a number: far more than any scale shows."""
 
-_MEND = "use a plain decimal number"
+_ADVICE = "use a plain decimal number"
 
 NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 """A number in text: ASCII digits, a point, an exponent. Python reads more: ``1_000``, ``nan``."""
@@ -57,7 +57,7 @@ def exact(value: Quantity, *, field: str) -> Fraction:
         When the value is not a finite number, or huge.
     """
     if isinstance(value, bool):
-        raise InputError(f"{value} is not a number", field=field, mend=_MEND)
+        raise InputError(f"{value} is not a number", field=field, advice=_ADVICE)
     if not isinstance(value, Rational):  # numpy's whole numbers are
         value = _decimal(value, field)
     if not -MAX_WEIGHT <= value <= MAX_WEIGHT:
@@ -66,13 +66,13 @@ def exact(value: Quantity, *, field: str) -> Fraction:
         raise InputError(
             f"{shown} is larger than {MAX_WEIGHT:g} in size",
             field=field,
-            mend="use a larger unit of weight",
+            advice="use a larger unit of weight",
         )
     return Fraction(value)
 
 
-def number_mend(text: str, mark: str = ".") -> str:
-    """Return how a number should be written that is not plain, as a mend.
+def number_advice(text: str, mark: str = ".") -> str:
+    """Return how a number should be written that is not plain, as advice.
 
     Parameters
     ----------
@@ -95,13 +95,15 @@ def number_mend(text: str, mark: str = ".") -> str:
         whole = re.sub(r"[.,]", "", parts[1])
         hint = ": a point, no comma" if mark == "." and len(bare) > len(whole) else ""
         return f"write {whole}{mark}{parts[2]}{hint}"
-    return _MEND
+    return _ADVICE
 
 
 def _decimal(value: float | str | Decimal, field: str) -> Decimal:
     if isinstance(value, str) and not NUMBER.fullmatch(value.strip()):
         raise InputError(
-            f"{value.strip()!s:.40} is not a finite number", field=field, mend=number_mend(value)
+            f"{value.strip()!s:.40} is not a finite number",
+            field=field,
+            advice=number_advice(value),
         )
     try:
         # It gives a float's shortest notation: the one that people wrote.
@@ -110,12 +112,12 @@ def _decimal(value: float | str | Decimal, field: str) -> Decimal:
         number = Decimal("NaN")
     exponent = number.as_tuple().exponent
     if not isinstance(exponent, int):  # NaN and infinities have a letter there
-        raise InputError(f"{value!s:.40} is not a finite number", field=field, mend=_MEND)
+        raise InputError(f"{value!s:.40} is not a finite number", field=field, advice=_ADVICE)
     if number and exponent < -MAX_DIGITS:  # 1e-999999999 would be a number of a billion digits
         raise InputError(
             f"{value!s:.40} has more than {MAX_DIGITS} decimals",
             field=field,
-            mend="round it up to fewer digits",
+            advice="round it up to fewer digits",
         )
     return number
 
@@ -139,7 +141,7 @@ def common_unit(weights: Sequence[Fraction], *, field: str) -> Fraction:
         raise InputError(
             f"the weights have no common unit of useful size (one is {float(weights[worst])!r})",
             field=f"{field}[{worst}].weight",
-            mend="round the weights up to fewer digits, for example to grams",
+            advice="round the weights up to fewer digits, for example to grams",
         )
     return unit
 

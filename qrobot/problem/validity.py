@@ -45,7 +45,7 @@ def check_entities(
         raise InputError(
             f"{len(items)} items are more than the {MAX_ITEMS} that one plan may have",
             field="items",
-            mend="plan them in waves",
+            advice="plan them in waves",
         )
     _unique([i.id for i in items], "items")
     _unique([o.id for o in orders], "orders")
@@ -61,21 +61,21 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
             raise InputError(
                 f"weight {float(item.weight):g} of item {item.id!r} is negative",
                 field=f"items[{i}].weight",
-                mend="use zero or more",
+                advice="use zero or more",
             )
         if not 0 <= item.pick_seconds <= MAX_PICK:  # NaN too
             raise InputError(
                 f"{item.pick_seconds:g} seconds to collect item {item.id!r} are not 0 to "
                 f"{MAX_PICK:g}",
                 field=f"items[{i}].pick_seconds",
-                mend="use seconds from zero",
+                advice="use seconds from zero",
             )
         try:
             warehouse.check(item.place)
         except InputError as error:
             path = f"items[{i}].at" + (f".{error.field}" if error.field else "")
             raise InputError(
-                f"{error.problem} (item {item.id!r})", field=path, mend=error.mend
+                f"{error.problem} (item {item.id!r})", field=path, advice=error.advice
             ) from None
 
 
@@ -89,26 +89,26 @@ def check_robots(robots: Sequence[Robot]) -> None:
     """
     _unique([r.id for r in robots], "robots")
     if not robots:
-        raise InputError("no robots", field="robots", mend="give at least one robot")
+        raise InputError("no robots", field="robots", advice="give at least one robot")
     for i, robot in enumerate(robots):
         if robot.capacity <= 0:
             raise InputError(
                 f"capacity {float(robot.capacity):g} of robot {robot.id!r} is not positive",
                 field=f"robots[{i}].capacity",
-                mend="use a number above zero",
+                advice="use a number above zero",
             )
         if not MIN_SPEED <= robot.speed <= MAX_SPEED:  # NaN too
             raise InputError(
                 f"speed {robot.speed:g} of robot {robot.id!r} is not {MIN_SPEED:g} to "
                 f"{MAX_SPEED:g}",
                 field=f"robots[{i}].speed",
-                mend="use metres a second above zero",
+                advice="use metres a second above zero",
             )
         if robot.trips < 1:
             raise InputError(
                 f"{robot.trips} trips for robot {robot.id!r} are too few",
                 field=f"robots[{i}].trips",
-                mend="use 1 or more, or remove the robot",
+                advice="use 1 or more, or remove the robot",
             )
 
 
@@ -121,7 +121,7 @@ def _owners(items: Sequence[Item], orders: Sequence[Order]) -> dict[str, str]:
             raise InputError(
                 f"order {order.id!r} is empty",
                 field=f"orders[{i}].items",
-                mend="name at least one item or remove the order",
+                advice="name at least one item or remove the order",
             )
         for j, item_id in enumerate(order.items):
             path = f"orders[{i}].items[{j}]"
@@ -129,13 +129,13 @@ def _owners(items: Sequence[Item], orders: Sequence[Order]) -> dict[str, str]:
                 raise InputError(
                     f"order {order.id!r} names the unknown item {item_id!r}",
                     field=path,
-                    mend="add the item or correct the name",
+                    advice="add the item or correct the name",
                 )
             if item_id in owner:
                 raise InputError(
                     f"item {item_id!r} is in orders {owner[item_id]!r} and {order.id!r}",
                     field=path,
-                    mend="keep it in one order; give a second piece an id of its own",
+                    advice="keep it in one order; give a second piece an id of its own",
                 )
             owner[item_id] = order.id
     if len(owner) < len(known):
@@ -143,7 +143,7 @@ def _owners(items: Sequence[Item], orders: Sequence[Order]) -> dict[str, str]:
         raise InputError(
             f"items {some(missing)} are in no order",
             field="orders",
-            mend="put every item into an order, or leave the orders out",
+            advice="put every item into an order, or leave the orders out",
         )
     return owner
 
@@ -156,7 +156,7 @@ def _check_stops(items: Sequence[Item], owner: dict[str, str]) -> None:
             f"{stops} stops (places of each order) are more than the {MAX_STOPS} that one plan "
             f"may have: their distances alone would take {8 * (stops + 1) ** 2 / 1e6:.0f} MB",
             field="orders",
-            mend="plan them in waves",
+            advice="plan them in waves",
         )
 
 
@@ -167,13 +167,13 @@ def _unique(ids: Sequence[str], what: str) -> None:
             raise InputError(
                 "is empty" if not one else f"holds the invisible character {hidden}",
                 field=f"{what}[{i}].id",
-                mend="give a name" if not one else "remove it",
+                advice="give a name" if not one else "remove it",
             )
         if one in seen:
             raise InputError(
                 f"the id {one!r} is used twice",
                 field=f"{what}[{i}].id",
-                mend="give each an id of its own",
+                advice="give each an id of its own",
             )
         seen.add(one)
 

@@ -96,7 +96,7 @@ def check_picture_path(path: str | os.PathLike[str]) -> str:
     if kind not in {"svg", "png"}:
         raise InputError(
             f"{os.fspath(path)!r} does not say the kind of picture",
-            mend="end it with .svg or .png",
+            advice="end it with .svg or .png",
         )
     return kind
 

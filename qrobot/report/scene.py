@@ -113,7 +113,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
         quality = _quality(answer)
         instance = answer.instance if instance is None else instance
     if instance is None:
-        raise InputError("a plan alone has no warehouse", mend="give its instance too")
+        raise InputError("a plan alone has no warehouse", advice="give its instance too")
     instance = instance_of(instance)
     items = {item.id: item for item in instance.items}
     fleet = {robot.id: i for i, robot in enumerate(instance.robots)}
@@ -122,10 +122,10 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
     journeys = []
     for n, trip in enumerate(plan.trips, 1):
         if trip.robot not in fleet:
-            raise InputError(f"robot {trip.robot!r} is not in the instance", mend=_MEND)
+            raise InputError(f"robot {trip.robot!r} is not in the instance", advice=_ADVICE)
         for stop in trip.stops:
             if stop not in items:
-                raise InputError(f"item {stop!r} is not in the instance", mend=_MEND)
+                raise InputError(f"item {stop!r} is not in the instance", advice=_ADVICE)
         turn = turns[trip.robot] = turns.get(trip.robot, -1) + 1
         picked = tuple(items[stop] for stop in trip.stops)
         places = [None, *(item.place for item in picked), None]
@@ -152,7 +152,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
     )
 
 
-_MEND = "give the instance that the plan was made for"
+_ADVICE = "give the instance that the plan was made for"
 
 
 def _quality(result: Result) -> str:

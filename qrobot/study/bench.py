@@ -98,7 +98,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     root = Path(folder)
     if not root.is_dir():
         raise InputError(
-            "is not a folder", source=os.fspath(folder), mend="give a folder of instances"
+            "is not a folder", source=os.fspath(folder), advice="give a folder of instances"
         )
     found = sorted(
         path
@@ -113,7 +113,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
         raise InputError(
             f"holds no {', '.join(suffixes())} file like {match!r}",
             source=os.fspath(folder),
-            mend="give another folder or pattern",
+            advice="give another folder or pattern",
         )
     return found
 
@@ -149,7 +149,7 @@ def references(folder: Path) -> dict[str, float]:
         raise InputError(
             f"cannot be read ({type(error).__name__}: {error})",
             source=os.fspath(index),
-            mend="give a list of objects with file and value, or remove it",
+            advice="give a list of objects with file and value, or remove it",
         ) from None
     return {name: value for name, value in values.items() if is_reference(value)}
 
@@ -202,7 +202,9 @@ def _rule(text: str) -> tuple[str, int | str]:
     if pattern and number.isascii() and number.isdigit() and int(number) > 0:
         return pattern, int(number)
     raise InputError(
-        f"{text!r} is not a rule", field="--robots-for", mend="write it like 'X-*=free' or 'A-*=5'"
+        f"{text!r} is not a rule",
+        field="--robots-for",
+        advice="write it like 'X-*=free' or 'A-*=5'",
     )
 
 

@@ -81,7 +81,7 @@ OWN = "10.0.0.5/24"
 def test_addresses_that_are_refused(values: tuple[Any, ...], says: str) -> None:
     with pytest.raises(InputError, match=says) as refused:
         StaticAddress(*values)
-    assert ";" in str(refused.value), "no mend"
+    assert ";" in str(refused.value), "no advice"
 
 
 @pytest.mark.parametrize(

@@ -154,7 +154,7 @@ def test_wrong_use_gets_one_sentence(words: list[str], says: str, desk: Path) ->
     assert everything(desk) == before
 
 
-def test_without_any_key_there_is_a_mend(desk: Path) -> None:
+def test_without_any_key_there_is_advice(desk: Path) -> None:
     for path in (desk / ".ssh").iterdir():
         path.unlink()
     done = run(desk, *WHO)

@@ -251,7 +251,7 @@ def test_an_unknown_release_is_refused() -> None:
 def test_values_that_are_refused(changes: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says) as refused:
         seed(**changes)
-    assert ";" in str(refused.value), "no mend"
+    assert ";" in str(refused.value), "no advice"
     assert "\n" not in str(refused.value)
 
 

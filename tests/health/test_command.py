@@ -184,9 +184,9 @@ def test_a_fault_of_the_machine_counts_and_a_warning_does_not(
     words: list[str],
     code: int,
 ) -> None:
-    planted["findings"] = [Finding("x", "A fact", status, 7, "why; mend", "MiB")]
+    planted["findings"] = [Finding("x", "A fact", status, 7, "why; advice", "MiB")]
     assert code_of("numpy", *words) == code
-    shown = f"{status}: A fact 7 MiB: why; mend" in capsys.readouterr().out
+    shown = f"{status}: A fact 7 MiB: why; advice" in capsys.readouterr().out
     assert shown == (status in ("fault", "warning") and not words)
 
 

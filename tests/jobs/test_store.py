@@ -132,7 +132,7 @@ def test_a_new_file_that_another_prepares_is_waited_for(tmp_path: Path) -> None:
     other.close()
 
 
-def test_what_cannot_be_used_is_refused_with_a_mend(tmp_path: Path) -> None:
+def test_what_cannot_be_used_is_refused_with_advice(tmp_path: Path) -> None:
     broken = tmp_path / "broken"
     broken.write_bytes(b"this is no database, but long enough to look at" * 50)
     with pytest.raises(InputError, match="cannot keep jobs"):

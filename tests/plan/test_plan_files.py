@@ -84,10 +84,10 @@ def test_no_plan_gets_a_traceback(path: tuple[Any, ...], value: object, remove: 
         del target[path[-1]]
     else:
         target[path[-1]] = value
-    mend: str | None = "none is needed"
+    advice: str | None = "none is needed"
     try:
         report = qrobot.check(Plan.from_dict(data), ONE)
         json.dumps(report.to_dict(), allow_nan=False)
     except InputError as error:
-        mend = error.mend
-    assert mend
+        advice = error.advice
+    assert advice

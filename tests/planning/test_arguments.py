@@ -30,7 +30,7 @@ def refusal(function: Any, *given: Any, **named: Any) -> str:
         function(*given, **named)
     text = str(caught.value)
     assert "\n" not in text
-    assert caught.value.mend
+    assert caught.value.advice
     return text
 
 

@@ -223,8 +223,8 @@ def test_a_round_that_fails_costs_no_reads_of_the_rounds_before(
 
 
 def test_waiting_is_no_option_of_solve(instance: qrobot.Instance) -> None:
-    for name, mend in (("wait", "--no-wait"), ("dry_run", "--dry-run")):
-        with pytest.raises(qrobot.InputError, match=mend):
+    for name, advice in (("wait", "--no-wait"), ("dry_run", "--dry-run")):
+        with pytest.raises(qrobot.InputError, match=advice):
             qrobot.solve(instance, backend=NAME, **{name: False})
     assert not jobs()
 

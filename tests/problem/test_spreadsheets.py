@@ -16,7 +16,7 @@ import qrobot
 from qrobot.errors import InputError
 from qrobot.problem import Instance, Order
 from qrobot.problem.formats.decimals import DecimalMarks
-from qrobot.problem.units import exact, number_mend
+from qrobot.problem.units import exact, number_advice
 
 LAYOUT = {
     "schema": "qrobot.instance/1",
@@ -149,9 +149,9 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("delimiter", "others", "cell", "means", "mend"), CASES)
+@pytest.mark.parametrize(("delimiter", "others", "cell", "means", "advice"), CASES)
 def test_what_a_number_means(
-    tmp_path: Path, delimiter: str, others: str, cell: str, means: str | None, mend: str
+    tmp_path: Path, delimiter: str, others: str, cell: str, means: str | None, advice: str
 ) -> None:
     rows = [["order", "item", "weight", "x", "y"]]
     rows += [[f"o{k}", f"i{k}", other, "0", "0"] for k, other in enumerate(others.split())]
@@ -160,7 +160,7 @@ def test_what_a_number_means(
     if means is None:
         said = refusal(tmp_path, text)
         assert said.startswith(f"line {len(rows)}, column weight: "), said
-        assert mend in said
+        assert advice in said
     else:
         assert read(tmp_path, text).items[-1].weight == Fraction(means)
 
@@ -187,20 +187,20 @@ def test_no_number_is_read_as_another(
         same.append(f"0{mark}5")
     if delimiter == "," and mark == ",":
         same = []
-    found, mend = Fraction(number), "none is needed"
+    found, advice = Fraction(number), "none is needed"
     try:
         found = exact(DecimalMarks.of(delimiter, [*same, text]).plain(text), field="")
     except InputError as error:
-        mend = error.mend or ""
+        advice = error.advice or ""
     assert found == Fraction(number)
-    assert mend
+    assert advice
 
 
 @given(st.text("0123456789.,'_ -+", max_size=12), st.sampled_from(".,"))
-def test_what_a_mend_says_to_write_is_read(text: str, mark: str) -> None:
-    mend = number_mend(text, mark)
-    if mend.startswith("write "):
-        for option in mend.removeprefix("write ").split(":")[0].split(", or "):
+def test_what_the_advice_says_to_write_is_read(text: str, mark: str) -> None:
+    advice = number_advice(text, mark)
+    if advice.startswith("write "):
+        for option in advice.removeprefix("write ").split(":")[0].split(", or "):
             assert exact(option.replace(",", "."), field="") is not None
 
 

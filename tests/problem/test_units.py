@@ -103,7 +103,7 @@ def test_zero_weights_alone_have_a_unit() -> None:
     assert common_unit([], field="items") == 1
 
 
-def test_too_many_digits_are_refused_with_the_mend() -> None:
+def test_too_many_digits_are_refused_with_the_advice() -> None:
     with pytest.raises(
         InputError, match=r"items\[1\].weight: .*no common unit.*; round the weights up"
     ):

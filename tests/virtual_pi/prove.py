@@ -158,7 +158,7 @@ def heal(pi: Machine, proof: Proof) -> None:
     works = pi.ssh("qrobot solve example --deadline 3 >/dev/null && echo works")
     proof.hold("qrobot works again", "works" in works)
     run = pi.play("provision")
-    proof.hold("then nothing is left to mend", run.counts == EMPTY, str(run.counts))
+    proof.hold("then nothing is left to advice", run.counts == EMPTY, str(run.counts))
 
 
 def broken(pi: Machine, proof: Proof) -> None:

@@ -24,7 +24,7 @@ FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
 
 class OwnedError(Exception):
-    """What was asked cannot be done; the text is one sentence with the mend."""
+    """What was asked cannot be done; the text is one sentence with the advice."""
 
 
 class NotOwnedError(OwnedError):

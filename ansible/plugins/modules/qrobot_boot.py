@@ -70,7 +70,7 @@ SEVERAL = ("console", "cgroup_enable", "cgroup_disable")
 
 
 class FaultError(Exception):
-    """Something that stops the module; the text is one sentence with the mend."""
+    """Something that stops the module; the text is one sentence with the advice."""
 
 
 def cmdline_with(text, words, present=True):

@@ -159,5 +159,5 @@ class NealSampler(PickingSampler):
             raise InputError(
                 f"the annealer refused its parameters: {error}",
                 field="parameters",
-                mend=f"{self.name} takes {', '.join(sorted(self.parameters))}",
+                advice=f"{self.name} takes {', '.join(sorted(self.parameters))}",
             ) from error

@@ -149,6 +149,6 @@ class TabuSampler(PickingSampler):
             raise InputError(
                 f"the tabu search refused its parameters: {error}",
                 field="parameters",
-                mend=f"{self.name} takes {', '.join(sorted(self.parameters))}",
+                advice=f"{self.name} takes {', '.join(sorted(self.parameters))}",
             ) from error
         return dimod.concatenate(reads)

@@ -73,7 +73,7 @@ def arn_of(device: str) -> str:
             raise InputError(
                 f"{device!r} is not the ARN of a Braket device",
                 field="device",
-                mend="an example: " + DEVICES["SV1"],
+                advice="an example: " + DEVICES["SV1"],
             )
         return device
     names = {name.lower(): arn for name, arn in DEVICES.items()}
@@ -82,6 +82,6 @@ def arn_of(device: str) -> str:
         raise InputError(
             f"{device!r} is not a Braket device",
             field="device",
-            mend=f"use local, an ARN, or one of {', '.join(DEVICES)}",
+            advice=f"use local, an ARN, or one of {', '.join(DEVICES)}",
         )
     return names[device.lower()]

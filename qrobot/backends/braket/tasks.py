@@ -125,7 +125,7 @@ def check_fit(device: Any, qubits: int, shots: int) -> None:
         raise InputError(
             f"device {name} takes at most {allowed[1]} shots a task, not {shots}",
             field="num_reads",
-            mend="ask for fewer",
+            advice="ask for fewer",
         )
 
 

@@ -36,7 +36,7 @@ def check_token(config: dict[str, Any]) -> None:
     from dwave.cloud.config import load_config
 
     named = {name: config[name] for name in ("config_file", "profile") if name in config}
-    mend = SERVICES["dwave"][2]
+    advice = SERVICES["dwave"][2]
     try:
         found = load_config(**named)
     except Exception as error:
@@ -48,7 +48,7 @@ def check_token(config: dict[str, Any]) -> None:
             return
         why = ""
     reason = f" ({why} in the configuration of the D-Wave SDK)" if why else ""
-    raise CredentialsError(f"there are no credentials for D-Wave Leap{reason}; {mend}")
+    raise CredentialsError(f"there are no credentials for D-Wave Leap{reason}; {advice}")
 
 
 def connection(config: dict[str, Any]) -> dict[str, Any]:

@@ -56,7 +56,7 @@ class LeapBQMSampler(DWaveCloudSampler):
             raise InputError(
                 f"a time limit of {time_limit:g} s is below the solver's least of {least:.3g} s",
                 field="time_limit",
-                mend="give more, or leave it out",
+                advice="give more, or leave it out",
             )
         return float(time_limit)
 

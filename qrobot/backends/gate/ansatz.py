@@ -75,11 +75,11 @@ def make_ansatz(name: str, form: Form, words: Sequence[Term], layers: int) -> An
     least = 0 if name == "hardware" else 1
     if name not in ANSATZES:
         raise InputError(
-            f"{name!r} is not an ansatz", field="ansatz", mend=f"use one of {', '.join(ANSATZES)}"
+            f"{name!r} is not an ansatz", field="ansatz", advice=f"use one of {', '.join(ANSATZES)}"
         )
     if layers < least:
         raise InputError(
-            f"{layers} layers are too few", field="layers", mend=f"use {least} or more"
+            f"{layers} layers are too few", field="layers", advice=f"use {least} or more"
         )
     if name == "hardware":
         return _hardware(form.qubits, layers)

@@ -48,7 +48,7 @@ def subspace_circuit(
     """
     if mixer not in ("swap", "swap-all", "grover"):
         raise InputError(
-            f"{mixer!r} is not a mixer", field="mixer", mend="use swap, swap-all or grover"
+            f"{mixer!r} is not a mixer", field="mixer", advice="use swap, swap-all or grover"
         )
     instance = feasible.instance
     n, robots = instance.size, len(feasible.capacities)

@@ -85,7 +85,7 @@ def spectrum(instance: Instance) -> Spectrum:
         raise InputError(
             "plans are counted by whole distances only",
             field="warehouse",
-            mend="use rounding 'nearest' on an open floor, or enumerate up to 9 items",
+            advice="use rounding 'nearest' on an open floor, or enumerate up to 9 items",
         )
     if n > MOST_ITEMS:
         raise BackendError(f"{n} items are more than the {MOST_ITEMS} that can be counted")

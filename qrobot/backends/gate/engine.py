@@ -25,7 +25,7 @@ BYTES = 96
 """Of an amplitude: the state and two copies (16 each), its energy and five numbers (8 each)."""
 
 
-def room(qubits: int, where: str, mend: str = "use a smaller model or a remote device") -> None:
+def room(qubits: int, where: str, advice: str = "use a smaller model or a remote device") -> None:
     """Refuse a state that memory cannot hold, before any of it is taken.
 
     Raises
@@ -34,7 +34,7 @@ def room(qubits: int, where: str, mend: str = "use a smaller model or a remote d
         With the number of qubits and the memory that they need.
     """
     what = f"a state of {qubits} qubits on {where}"
-    resources.require(BYTES << qubits, what, mend, qubits=qubits)
+    resources.require(BYTES << qubits, what, advice, qubits=qubits)
 
 
 def attempt(name: str, doing: str, call: Callable[[], T]) -> T:

@@ -123,13 +123,13 @@ def minimise(
         raise InputError(
             f"{name!r} is not an optimizer",
             field="optimizer",
-            mend=f"use one of {', '.join(OPTIMISERS)}",
+            advice=f"use one of {', '.join(OPTIMISERS)}",
         )
     if name == "nft" and turns is None:
         raise InputError(
             "nft needs exact probabilities and an angle of its own for each parameter",
             field="optimizer",
-            mend="use spsa, or the ansatz hardware without shots",
+            advice="use spsa, or the ansatz hardware without shots",
         )
     counter = _Counter(value, slope, turns, Found(start.copy()), budget, interrupted)
     try:

@@ -121,7 +121,7 @@ class Options:
             raise InputError(
                 f"{device} takes no options, not {', '.join(map(str, self.device_options))}",
                 field="device_options",
-                mend="leave them out",
+                advice="leave them out",
             )
 
     def first(self, size: int) -> Floats | None:
@@ -142,6 +142,6 @@ class Options:
             raise InputError(
                 f"{given.size} values are not the {size} finite parameters of the circuit",
                 field="initial_parameters",
-                mend='use info["parameters"] of a run with the same ansatz, layers and model',
+                advice='use info["parameters"] of a run with the same ansatz, layers and model',
             )
         return given

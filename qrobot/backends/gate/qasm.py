@@ -137,10 +137,10 @@ def export_circuit(
     """
     if mixer not in MIXERS:
         raise InputError(
-            f"{mixer!r} is not a mixer", field="mixer", mend=f"use one of {', '.join(MIXERS)}"
+            f"{mixer!r} is not a mixer", field="mixer", advice=f"use one of {', '.join(MIXERS)}"
         )
     if layers < 1:
-        raise InputError(f"{layers} layers are too few", field="layers", mend="use 1 or more")
+        raise InputError(f"{layers} layers are too few", field="layers", advice="use 1 or more")
     plans = feasible_set(instance)
     ansatz = SubspaceQAOA.of(plans, mixer)
     found = sharpen(ansatz, layers, evaluations=EVALUATIONS, alphas=(1.0, 0.1))

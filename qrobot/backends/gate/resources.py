@@ -27,7 +27,7 @@ LARGEST = 1 << 70
 
 
 def require(
-    needed: int, what: str, mend: str = "use a smaller model", *, qubits: int | None = None
+    needed: int, what: str, advice: str = "use a smaller model", *, qubits: int | None = None
 ) -> None:
     """Refuse before allocating when memory is too small.
 
@@ -37,7 +37,7 @@ def require(
         Bytes.
     what
         What needs them, with the number of qubits or states: ``"a state of 40 qubits"``.
-    mend
+    advice
         What the user can do about it, as a clause.
     qubits
         Where every qubit doubles the need: how many they are, to say how many would fit.
@@ -51,9 +51,9 @@ def require(
     if needed > room:
         if qubits is not None:
             fit = next((q for q in range(qubits, 0, -1) if needed >> (qubits - q) <= room), 0)
-            mend = f"at most {fit} qubits fit; {mend}"
+            advice = f"at most {fit} qubits fit; {advice}"
         raise BackendError(
-            f"{what} needs {_counted(needed)} and {_counted(room)} are available; {mend}"
+            f"{what} needs {_counted(needed)} and {_counted(room)} are available; {advice}"
         )
 
 

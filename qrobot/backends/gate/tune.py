@@ -153,14 +153,14 @@ def tune(
         When there are no layers or the start has another number of angles.
     """
     if layers < 1:
-        raise InputError(f"{layers} layers are too few", field="layers", mend="use 1 or more")
+        raise InputError(f"{layers} layers are too few", field="layers", advice="use 1 or more")
     began = time.perf_counter()
     search = _Search(ansatz, layers, stop)
     if start is not None and not len(start[0]) == len(start[1]) == layers:
         raise InputError(
             f"{len(start[0])} gammas and {len(start[1])} betas do not make {layers} layers",
             field="gammas",
-            mend="give one of each a layer",
+            advice="give one of each a layer",
         )
     known = ansatz.guess() if start is None else None
     if start is not None:

@@ -87,7 +87,7 @@ def admitted(device: Any, options: Mapping[str, Any], job_options: JobOptions) -
     """
     if not job_options.wait:
         raise InputError(
-            "PennyLane waits for its devices", field="wait", mend="use a backend braket-*"
+            "PennyLane waits for its devices", field="wait", advice="use a backend braket-*"
         )
     if device == "braket.aws.qubit":
         arn_of(str(options.get("device_arn", "")))

@@ -202,13 +202,13 @@ class _PennyLane(VariationalSampler):
             raise InputError(
                 f"{method!r} is not a way to derive on {where}",
                 field="diff_method",
-                mend=f"use {' or '.join(allowed)}",
+                advice=f"use {' or '.join(allowed)}",
             )
         if isinstance(device, str):
             _installed(device)
         elif not hasattr(device, "execute") and not hasattr(device, "apply"):
             raise InputError(
-                f"{device!r} is not a PennyLane device", field="device", mend="give its name"
+                f"{device!r} is not a PennyLane device", field="device", advice="give its name"
             )
         else:
             options.refuse_device_options("a device object")

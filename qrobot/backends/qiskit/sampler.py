@@ -164,7 +164,7 @@ def _noise_of(options: Options) -> Any:
         raise InputError(
             f"{model!r} is not a noise model of Aer",
             field="device_options.noise_model",
-            mend="give a qiskit_aer.noise.NoiseModel, from Python",
+            advice="give a qiskit_aer.noise.NoiseModel, from Python",
         )
     return None if model.is_ideal() else model
 
@@ -191,7 +191,7 @@ def _check_exact(qubits: int, options: Options) -> None:
         raise InputError(
             f"{method!r} gives no exact probabilities of these circuits",
             field="device_options.method",
-            mend=f"use one of {', '.join(EXACT)}, or give shots, such as shots=1000",
+            advice=f"use one of {', '.join(EXACT)}, or give shots, such as shots=1000",
         )
     if not _is_mixed(options):
         return
@@ -204,7 +204,7 @@ def _check_exact(qubits: int, options: Options) -> None:
         raise InputError(
             "the noise model has readout errors, which exact probabilities leave out",
             field="shots",
-            mend="give shots, such as shots=1000",
+            advice="give shots, such as shots=1000",
         )
 
 
@@ -248,7 +248,7 @@ class _Qiskit(VariationalSampler):
         raise InputError(
             f"{device!r} is not a device",
             field="device",
-            mend=f"use one of {', '.join(LOCAL)}, ibm, ibm:<name>, or mode=",
+            advice=f"use one of {', '.join(LOCAL)}, ibm, ibm:<name>, or mode=",
         )
 
     def runs_remotely(self, **parameters: Any) -> bool:

@@ -161,11 +161,15 @@ def run(
         return
     if network and no_system:
         raise InputError(
-            "it is part of what --no-system leaves out", field="--network", mend="give one of both"
+            "it is part of what --no-system leaves out",
+            field="--network",
+            advice="give one of both",
         )
     if strict_compare and not baseline:
         raise InputError(
-            "there is nothing to compare with", field="--strict-compare", mend="give --compare too"
+            "there is nothing to compare with",
+            field="--strict-compare",
+            advice="give --compare too",
         )
     # All that can be refused is refused now: the checks take minutes.
     before = read_report(baseline) if baseline else None

@@ -51,19 +51,19 @@ def choose(
     for given, option in ((quick, "--quick"), (profile is not None, "--profile")):
         if names and given:
             raise InputError(
-                f"{option} chooses the checks itself", field="NAMES", mend="leave one of both out"
+                f"{option} chooses the checks itself", field="NAMES", advice="leave one of both out"
             )
     if profile is not None and profile not in PROFILES:
         raise InputError(
             f"{profile!r} is not a profile",
             field="profile",
-            mend=f"use one of: {', '.join(PROFILES)}",
+            advice=f"use one of: {', '.join(PROFILES)}",
         )
     known = all_checks()
     for name in names:
         if name not in known:
             raise InputError(
-                f"{name!r} is not a check", field="NAMES", mend=f"use some of: {', '.join(known)}"
+                f"{name!r} is not a check", field="NAMES", advice=f"use some of: {', '.join(known)}"
             )
     chosen = [known[name] for name in dict.fromkeys(names)] or list(known.values())
     return [

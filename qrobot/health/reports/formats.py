@@ -277,5 +277,5 @@ def write_prometheus(path: StrPath, report: Report) -> None:
     except (OSError, ValueError) as error:  # ValueError: no text in UTF-8
         raise InputError(
             f"cannot write {os.fspath(path)!r}: {getattr(error, 'strerror', None) or error}",
-            mend="check the folder and its free space, or choose another place",
+            advice="check the folder and its free space, or choose another place",
         ) from None

@@ -80,10 +80,10 @@ def _throttled(machine: Machine, model: str | None) -> Finding:
         return Finding(*about, "good", bits, "not since the start", "hex", steady=False)
     parts = [f"{' and '.join(now)} now"] if now else []
     parts += [f"{' and '.join(before)} since the start"] if before else []
-    mend = "add a heat sink or a fan"
+    advice = "add a heat sink or a fan"
     if "under-voltage" in now + before:
-        mend = "use the board's own power supply and a short, thick cable"
-    return Finding(*about, "warning", bits, f"{', '.join(parts)}; {mend}", "hex", steady=False)
+        advice = "use the board's own power supply and a short, thick cable"
+    return Finding(*about, "warning", bits, f"{', '.join(parts)}; {advice}", "hex", steady=False)
 
 
 def _throttled_bits(machine: Machine) -> int | None:

@@ -16,7 +16,7 @@ FIRST, LAST = (3, 11), (3, 13)
 """Versions of Python that qRobot is tested on."""
 
 END = {(3, 11): date(2027, 10, 31), (3, 12): date(2028, 10, 31), (3, 13): date(2029, 10, 31)}
-"""When Python's own makers stop to mend security holes."""
+"""When Python's own makers stop to close security holes."""
 
 GLIBC = (2, 28)
 """What the compiled packages are built for: manylinux_2_28."""

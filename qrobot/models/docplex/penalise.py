@@ -63,7 +63,7 @@ def bqm_from_docplex(model: Any, penalties: Penalties) -> dimod.BinaryQuadraticM
         raise InputError(
             "the docplex model has no constraints against detours, for its distances need none",
             field="penalties.detour",
-            mend="give 0",
+            advice="give 0",
         )
     bqm = dimod.BinaryQuadraticModel(dimod.BINARY)
     for variable in program.variables:
@@ -84,13 +84,13 @@ def _families(program: Any) -> dict[str, list[Any]]:
             raise InputError(
                 f"constraint {constraint.name!r} has no weight",
                 field="model",
-                mend="give a model of picking_docplex",
+                advice="give a model of picking_docplex",
             )
         if family == "capacity" and constraint.sense.label != "==":
             raise InputError(
                 "the capacity is an inequality",
                 field="slack",
-                mend="build the docplex model with slack 'exact' or 'paper'",
+                advice="build the docplex model with slack 'exact' or 'paper'",
             )
         found.setdefault(family, []).append(constraint)
     return found

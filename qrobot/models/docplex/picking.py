@@ -78,7 +78,7 @@ def picking_docplex(
             f"the {encoding} docplex model would have {size} binary variables, more than the "
             f"{MAX_VARIABLES} that one model may have",
             field="encoding",
-            mend="plan fewer items at a time, or with fewer robots",
+            advice="plan fewer items at a time, or with fewer robots",
         )
     detours = Penalties.measured(instance, encoding).detour > 0
     pairs = robots * (robots - 1) * layers**2 * sum(1 for _ in _mates(instance))
@@ -88,7 +88,7 @@ def picking_docplex(
             f"the docplex model would have {pairs} constraints over pairs of variables, more "
             f"than the {MAX_PAIRS} that are written",
             field="orders",
-            mend="plan fewer items at a time, or split the orders",
+            advice="plan fewer items at a time, or split the orders",
         )
     Model = load("docplex.mp.model", "a docplex model").Model
     name = re.sub(r"[^A-Za-z0-9.-]+", "-", instance.name)[:80]  # goes into a comment of the LP
@@ -202,4 +202,4 @@ def _mates(instance: Instance) -> Iterator[tuple[int, int]]:
 def _choice(field: str, value: object, known: tuple[object, ...]) -> None:
     if value not in known:
         names = ", ".join("none" if name is None else str(name) for name in known)
-        raise InputError(f"{value!r} is unknown", field=field, mend=f"use {names}")
+        raise InputError(f"{value!r} is unknown", field=field, advice=f"use {names}")

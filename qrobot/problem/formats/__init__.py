@@ -25,7 +25,7 @@ __all__ = ["Format", "ReadOptions", "instance_of", "read", "register", "suffixes
 
 
 _FOREIGN = {
-    # option: (field, problem, mend), where a file's format does not know it
+    # option: (field, problem, advice), where a file's format does not know it
     "layout": (None, "a layout belongs to CSV orders", "leave it out, or give a .csv"),
     "ignore_columns": ("ignore_columns", "columns belong to CSV orders", "leave it out"),
     "rounding": (
@@ -77,7 +77,7 @@ def read(
     Raises
     ------
     InputError
-        One sentence with file, field, value and mend.
+        One sentence with file, field, value and advice.
     """
     path = example_path(path_text(path)) or path
     try:
@@ -97,12 +97,12 @@ def read(
 def _read_file(path: StrPath, options: ReadOptions, robots: int | str | None) -> Instance:
     size = options.capacity
     if size is not None and size <= 0:
-        raise InputError(f"{size} is not positive", field="capacity", mend="give more than 0")
+        raise InputError(f"{size} is not positive", field="capacity", advice="give more than 0")
     suffix = Path(path).suffix.lower()
     format_ = format_of(suffix)
-    for name, (field, problem, mend) in _FOREIGN.items():
+    for name, (field, problem, advice) in _FOREIGN.items():
         if getattr(options, name) and name not in (format_.options if format_ else ()):
-            raise InputError(problem, field=field, mend=mend)
+            raise InputError(problem, field=field, advice=advice)
     if format_ is None:
         raise _unknown(path)
     instance = format_.read(Path(path), options)
@@ -119,15 +119,15 @@ def _unknown(path: StrPath) -> InputError:
     target = Path(path)
     try:
         if target.is_dir():
-            return InputError("is a folder", mend="give the path of a file")
+            return InputError("is a folder", advice="give the path of a file")
         if not target.exists():
-            return InputError("does not exist", mend="check the path")
+            return InputError("does not exist", advice="check the path")
     except (OSError, ValueError) as error:
-        return InputError(f"cannot be read ({error})", mend="check the path")
+        return InputError(f"cannot be read ({error})", advice="check the path")
     shown = target.suffix or "no extension"
     *others, last = suffixes()
     return InputError(
-        f"unsupported format ({shown})", mend=f"give a {', '.join(others)} or {last} file"
+        f"unsupported format ({shown})", advice=f"give a {', '.join(others)} or {last} file"
     )
 
 
@@ -145,7 +145,7 @@ def instance_of(question: Instance | StrPath) -> Instance:
         return read(question)
     raise InputError(
         f"an object of class {type(question).__name__} is not an instance",
-        mend="give what qrobot.read returns, or the path of a file that it reads",
+        advice="give what qrobot.read returns, or the path of a file that it reads",
     )
 
 

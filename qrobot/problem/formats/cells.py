@@ -53,9 +53,9 @@ class Line:
         """Return the place of a cell, for errors."""
         return f"line {self.number}, column {column}"
 
-    def error(self, column: str, problem: str, mend: str) -> InputError:
+    def error(self, column: str, problem: str, advice: str) -> InputError:
         """Return an error that names line and column."""
-        return InputError(problem, field=self.where(column), mend=mend)
+        return InputError(problem, field=self.where(column), advice=advice)
 
     def has(self, column: str) -> bool:
         """Return whether the file has a column."""
@@ -90,7 +90,7 @@ class Line:
         try:
             return exact(self.marks.plain(cell), field="")
         except InputError as error:
-            raise self.error(column, error.problem, error.mend or "correct it") from None
+            raise self.error(column, error.problem, error.advice or "correct it") from None
 
     def whole(self, column: str, *, least: int = 0) -> int:
         """Return the whole number in a cell."""
@@ -121,7 +121,7 @@ def read_lines(text: str, ignore: Sequence[str] = ()) -> list[Line]:
     """
     delimiter, rows = _rows(text)
     if not rows:
-        raise InputError("has no header", mend=f"begin with {', '.join(_REQUIRED)} and a place")
+        raise InputError("has no header", advice=f"begin with {', '.join(_REQUIRED)} and a place")
     (header_line, header), *body = rows
     columns = [canonical(cell).lower() for cell in header]
     while columns and not columns[-1]:  # a trailing delimiter
@@ -132,7 +132,7 @@ def read_lines(text: str, ignore: Sequence[str] = ()) -> list[Line]:
             raise InputError(
                 f"{len(cells)} cells where the header has {len(columns)}",
                 field=f"line {number}",
-                mend="add or remove cells (quote a cell that holds a separator)",
+                advice="add or remove cells (quote a cell that holds a separator)",
             )
     kept = _kept(columns, body, ignore, where)
     _check_columns([columns[at] for at in kept], where)
@@ -155,7 +155,7 @@ def _rows(text: str) -> tuple[str, list[tuple[int, list[str]]]]:
         delimiter = max(",;\t", key=head.count)
     if delimiter not in ",;\t":
         raise InputError(
-            f"the separator {delimiter!r} is not known", field="line 1", mend="use , ; or a tab"
+            f"the separator {delimiter!r} is not known", field="line 1", advice="use , ; or a tab"
         )
     # A tab that separates is no space to skip.
     rows = csv.reader(
@@ -171,7 +171,7 @@ def _rows(text: str) -> tuple[str, list[tuple[int, list[str]]]]:
         raise InputError(
             f"broken CSV ({error})",
             field=f"line {rows.line_num + skipped}",
-            mend="correct it there",
+            advice="correct it there",
         ) from None
     return delimiter, found
 
@@ -187,7 +187,7 @@ def _kept(
                 f"column {name!r:.60} cannot be ignored: it is "
                 + ("needed" if name in _REQUIRED else "not in the header"),
                 field=where,
-                mend="leave it out of --ignore-columns",
+                advice="leave it out of --ignore-columns",
             )
     kept = []
     for at, name in enumerate(columns):
@@ -200,7 +200,7 @@ def _kept(
                 if used
                 else f"column {at + 1} has no name",
                 field=where,
-                mend="name it in the header, or remove it",
+                advice="name it in the header, or remove it",
             )
         kept.append(at)
     return kept
@@ -214,21 +214,21 @@ def _check_columns(columns: list[str], where: str) -> None:
             raise InputError(
                 f"column {column!r:.60} is not known",
                 field=where,
-                mend=f"did you mean {close[0]!r}? If not, give {keep}"
+                advice=f"did you mean {close[0]!r}? If not, give {keep}"
                 if close
                 else f"remove it, or give {keep}; known are {', '.join(_COLUMNS)}",
             )
         if columns.count(column) > 1:
-            raise InputError(f"column {column!r} is there twice", field=where, mend="keep one")
+            raise InputError(f"column {column!r} is there twice", field=where, advice="keep one")
     missing = [column for column in _REQUIRED if column not in columns]
     if missing:
         raise InputError(
-            f"column {missing[0]!r} is missing", field=where, mend="add it to the header"
+            f"column {missing[0]!r} is missing", field=where, advice="add it to the header"
         )
     given = set(columns) & set().union(*(needed | more for needed, more in _PLACES))
     if not any(needed <= given <= needed | more for needed, more in _PLACES):
         raise InputError(
             f"the columns {', '.join(sorted(given))} are not a place" if given else "has no place",
             field=where,
-            mend="give aisle and slot (and block, side), or x and y, or node",
+            advice="give aisle and slot (and block, side), or x and y, or node",
         )

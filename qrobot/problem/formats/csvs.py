@@ -155,7 +155,7 @@ def _layout_of(orders: Path, given: StrPath | None) -> Layout:
     if found is None:
         raise InputError(
             "has no layout beside it",
-            mend=f"add {beside[0].name} or layout.json to its folder, or name one (--layout)",
+            advice=f"add {beside[0].name} or layout.json to its folder, or name one (--layout)",
         )
     try:
         return read_layout(found)

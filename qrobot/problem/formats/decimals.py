@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from qrobot.errors import InputError
-from qrobot.problem.units import number_mend
+from qrobot.problem.units import number_advice
 
 __all__ = ["DecimalMarks"]
 
@@ -32,7 +32,7 @@ class DecimalMarks:
     clear
         The marks that are decimal marks even before three digits.
     mark
-        The one that a mend should use.
+        The one that the advice should use.
     """
 
     comma: bool
@@ -73,10 +73,10 @@ class DecimalMarks:
         if _THOUSANDS.fullmatch(cell) and found not in self.clear:
             raise InputError(
                 f"{cell:.40} may have a decimal mark or thousands",
-                mend=number_mend(cell, self.mark),
+                advice=number_advice(cell, self.mark),
             )
         if not _DECIMAL.fullmatch(cell) and self.comma and "," in cell:
             raise InputError(
-                f"{cell:.40} is not a finite number", mend=number_mend(cell, self.mark)
+                f"{cell:.40} is not a finite number", advice=number_advice(cell, self.mark)
             )
         return cell.replace(",", ".")

@@ -17,7 +17,7 @@ from pydantic_core import PydanticCustomError
 
 from qrobot.errors import InputError
 from qrobot.problem.names import canonical, first_invisible
-from qrobot.problem.units import MAX_WEIGHT, exact, number_mend
+from qrobot.problem.units import MAX_WEIGHT, exact, number_advice
 
 __all__ = [
     "Capacity",
@@ -35,9 +35,11 @@ __all__ = [
 ]
 
 
-def refuse(problem: str, mend: str, *, at: str = "") -> PydanticCustomError:
+def refuse(problem: str, advice: str, *, at: str = "") -> PydanticCustomError:
     """Return an error with our own words; `at` continues the path of the field."""
-    return PydanticCustomError("qrobot", "{problem}", {"problem": problem, "mend": mend, "at": at})
+    return PydanticCustomError(
+        "qrobot", "{problem}", {"problem": problem, "advice": advice, "at": at}
+    )
 
 
 def shown(value: object) -> str:
@@ -81,13 +83,15 @@ def _whole(value: Any) -> Any:
 
 def _exact(value: Any) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, int | float | Decimal):
-        mend = number_mend(value) if isinstance(value, str) else ""
-        mend = f"{mend}, without quotes" if mend.startswith("write ") else "give a plain number"
-        raise refuse(f"{shown(value)} is not a number", mend)
+        advice = number_advice(value) if isinstance(value, str) else ""
+        advice = (
+            f"{advice}, without quotes" if advice.startswith("write ") else "give a plain number"
+        )
+        raise refuse(f"{shown(value)} is not a number", advice)
     try:
         return exact(value, field="")
     except InputError as error:
-        raise refuse(error.problem, error.mend or "") from None
+        raise refuse(error.problem, error.advice or "") from None
 
 
 def _matrix(value: Any) -> tuple[tuple[float, ...], ...]:

@@ -40,14 +40,14 @@ def loads(text: str) -> Any:
             raise InputError(
                 f"{token:.40} is not a finite number",
                 field=find_token(text, token),
-                mend="correct it",
+                advice="correct it",
             ) from None
 
     def constant(token: str) -> float:
         raise InputError(
             f"{token} is not a number in JSON",
             field=find_token(text, token),
-            mend="use a plain number",
+            advice="use a plain number",
         )
 
     def fields(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -58,7 +58,7 @@ def loads(text: str) -> Any:
             raise InputError(
                 f"the field {twice!r:.60} is given twice",
                 field=find_repeated(text, twice),
-                mend="keep one of them",
+                advice="keep one of them",
             )
         return found
 
@@ -73,10 +73,10 @@ def loads(text: str) -> Any:
     except json.JSONDecodeError as error:
         raise InputError(
             f"broken JSON in line {error.lineno}, column {error.colno} ({error.msg.lower()})",
-            mend="correct it there",
+            advice="correct it there",
         ) from None
     except RecursionError:
-        raise InputError("broken JSON (nested too deeply)", mend="flatten it") from None
+        raise InputError("broken JSON (nested too deeply)", advice="flatten it") from None
 
 
 def _int(text: str) -> int | Decimal:

@@ -109,7 +109,7 @@ def _instance(document: Document) -> Instance:
         raise InputError(
             "is missing (a document without items is a layout)",
             field="items",
-            mend="add the items, or give the orders as CSV with this layout",
+            advice="add the items, or give the orders as CSV with this layout",
         )
     layout = _layout(document)
     items = tuple(Item(i.id, i.weight, _place(i.at), i.pick_seconds) for i in document.items)
@@ -142,7 +142,7 @@ def read_layout(path: StrPath) -> Layout:
                 raise InputError(
                     "does not belong into a layout",
                     field=name,
-                    mend="remove it, or solve this file",
+                    advice="remove it, or solve this file",
                 )
         return _layout(document)
 
@@ -150,12 +150,12 @@ def read_layout(path: StrPath) -> Layout:
 def _document(data: Any) -> Document:
     """Check the version first: another one may mean anything by the same words."""
     if not isinstance(data, dict):
-        raise InputError(f"is {shown(data)}, not an object", mend=f"see schema {SCHEMA!r}")
+        raise InputError(f"is {shown(data)}, not an object", advice=f"see schema {SCHEMA!r}")
     if (version := data.get("schema")) != SCHEMA:
         problem = f"unknown schema {shown(version)}" if "schema" in data else "is missing"
         if isinstance(version, str) and version.startswith("qrobot.plan/"):
             problem = f"this is a plan ({version}), not an instance"
-        raise InputError(problem, field="schema", mend=f"this version reads {SCHEMA!r}")
+        raise InputError(problem, field="schema", advice=f"this version reads {SCHEMA!r}")
     try:
         return Document.model_validate(data)
     except ValidationError as error:
@@ -163,7 +163,7 @@ def _document(data: Any) -> Document:
 
 
 def _sentence(error: ValidationError) -> InputError:
-    """Return the first fault as one sentence: field, value, mend."""
+    """Return the first fault as one sentence: field, value, advice."""
     first = error.errors(include_url=False)[0]
     path = ""
     for part in first["loc"]:
@@ -173,28 +173,28 @@ def _sentence(error: ValidationError) -> InputError:
             path += f".{part}"
     context, value, kind = first.get("ctx", {}), shown(first["input"]), first["type"]
     if kind == "qrobot":
-        problem, mend = context["problem"], context["mend"]
+        problem, advice = context["problem"], context["advice"]
         path += context["at"]
     elif kind == "missing":
-        problem, mend = "is missing", "add it"
+        problem, advice = "is missing", "add it"
     elif kind == "kind":
         inside = isinstance(first["input"], dict)
         path += ".kind" if inside else ""
         problem = f"{shown(first['input'].get('kind')) if inside else value} is not known"
-        mend = "give 'aisles', 'floor' or 'matrix'"
+        advice = "give 'aisles', 'floor' or 'matrix'"
     elif kind == "place":
         problem = f"{value} is not a place"
-        mend = "give aisle, block and slot; or x and y; or node"
+        advice = "give aisle, block and slot; or x and y; or node"
     elif kind == "robots":
-        problem, mend = f"{value} is not a fleet", "give count and capacity, or a list of robots"
+        problem, advice = f"{value} is not a fleet", "give count and capacity, or a list of robots"
     else:
         wish = _WISHES.get(kind, first["msg"].removeprefix("Input should be "))
-        problem, mend = f"{value} is not right", f"needed: {wish}"
-    return InputError(problem, field=path.removeprefix("."), mend=mend)
+        problem, advice = f"{value} is not right", f"needed: {wish}"
+    return InputError(problem, field=path.removeprefix("."), advice=advice)
 
 
 def _moved(error: InputError, field: str) -> InputError:
-    return InputError(error.problem, source=error.source, field=field, mend=error.mend)
+    return InputError(error.problem, source=error.source, field=field, advice=error.advice)
 
 
 def _layout(document: Document) -> Layout:
@@ -208,7 +208,7 @@ def _layout(document: Document) -> Layout:
             raise InputError(
                 f"{fleet.count} robots are more than {MAX_ITEMS}",
                 field="robots.count",
-                mend="give fewer",
+                advice="give fewer",
             )
         robots = tuple(
             Robot(f"R{k + 1}", fleet.capacity, fleet.speed, fleet.trips) for k in range(fleet.count)
@@ -296,7 +296,7 @@ def _decimal(value: Fraction, index: int | None = None) -> Decimal:
             raise InputError(
                 f"{value} has no finite decimal",
                 field="robots" if index is None else f"items[{index}].weight",
-                mend="round it before writing",
+                advice="round it before writing",
             )
     return number
 
@@ -351,7 +351,7 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
         raise InputError(
             f"{warehouse.kind!r} is not a kind of warehouse that native JSON has",
             field="warehouse",
-            mend="use another format",
+            advice="use another format",
         )
     rows = [[d if math.isfinite(d) else None for d in row] for row in warehouse.matrix]
     data = {"kind": "matrix", "matrix": rows, "depot_node": warehouse.depot_node}

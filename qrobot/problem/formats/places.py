@@ -36,6 +36,6 @@ def checked(make: Callable[[], Instance], where: Where) -> Instance:
             error.problem,
             source=error.source,
             field=where(error.field) if error.field else None,
-            mend=error.mend,
+            advice=error.advice,
         ) from None
     return instance

@@ -82,11 +82,11 @@ def register(format_: Format) -> None:
     suffix = format_.suffix
     if not suffix.startswith(".") or suffix != suffix.lower() or len(suffix) < 2:
         raise InputError(
-            f"{suffix!r} is not a suffix", field="suffix", mend="give it as '.xml', lower case"
+            f"{suffix!r} is not a suffix", field="suffix", advice="give it as '.xml', lower case"
         )
     if suffix in suffixes():
         raise InputError(
-            f"{suffix} files have a format already", field="suffix", mend="use another suffix"
+            f"{suffix} files have a format already", field="suffix", advice="use another suffix"
         )
     _registered[suffix] = format_
 

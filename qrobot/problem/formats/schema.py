@@ -48,10 +48,10 @@ class _Strict(BaseModel):
         for key in data:
             if key not in known:
                 close = difflib.get_close_matches(key, known, n=1)
-                mend = f"did you mean {close[0]!r}?" if close else f"known are {', '.join(known)}"
+                advice = f"did you mean {close[0]!r}?" if close else f"known are {', '.join(known)}"
                 raise refuse(
                     "is not a known field",
-                    mend,
+                    advice,
                     at=f".{key if key.isprintable() else quoted(key):.60}",
                 )
         return data

@@ -48,7 +48,7 @@ def _solution(text: str) -> tuple[list[list[int]], float]:
                 raise InputError(
                     "is not a solution",
                     field=f"line {number}",
-                    mend="give lines such as 'Route #1: 3 1 2'",
+                    advice="give lines such as 'Route #1: 3 1 2'",
                 )
             routes.append([int(word) for word in clients.split()])
         elif found := re.match(r"\s*cost\b\s*[:=]?\s*(\S+)", line, re.IGNORECASE):
@@ -57,11 +57,11 @@ def _solution(text: str) -> tuple[list[list[int]], float]:
                 raise InputError(
                     f"{found[1]!r:.40} is not a number above zero",
                     field=f"Cost, line {number}",
-                    mend="correct it",
+                    advice="correct it",
                 )
     if not routes or cost is None:
         missing = "Cost" if routes else "Route"
-        raise InputError("is missing", field=missing, mend="give routes and cost")
+        raise InputError("is missing", field=missing, advice="give routes and cost")
     return routes, cost
 
 

@@ -31,9 +31,9 @@ class Field:
     value: str
     line: int
 
-    def error(self, problem: str, mend: str) -> InputError:
+    def error(self, problem: str, advice: str) -> InputError:
         """Return an error that names the field and its line."""
-        return InputError(problem, field=f"{self.name:.40}, line {self.line}", mend=mend)
+        return InputError(problem, field=f"{self.name:.40}, line {self.line}", advice=advice)
 
 
 @dataclass(slots=True)
@@ -52,19 +52,21 @@ class Section:
         column = starts[min(word, len(starts) - 1)] + 1
         return f"{self.name:.40}_SECTION, line {line}, column {column}"
 
-    def error(self, problem: str, mend: str, row: int | None = None, word: int = 0) -> InputError:
+    def error(self, problem: str, advice: str, row: int | None = None, word: int = 0) -> InputError:
         """Return an error that names a word, as of `where`, or the section's own line."""
         where = f"{self.name:.40}_SECTION, line {self.line}"
-        return InputError(problem, field=where if row is None else self.where(row, word), mend=mend)
+        return InputError(
+            problem, field=where if row is None else self.where(row, word), advice=advice
+        )
 
-    def error_at(self, number: int, problem: str, mend: str) -> InputError:
+    def error_at(self, number: int, problem: str, advice: str) -> InputError:
         """Return an error that names the number-th word of the section."""
         for row, (_, text) in enumerate(self.rows):
             words = len(text.split())
             if number < words:
-                return self.error(problem, mend, row, number)
+                return self.error(problem, advice, row, number)
             number -= words
-        return self.error(problem, mend)
+        return self.error(problem, advice)
 
     def table(self, width: int) -> list[list[str]]:
         """Return the words of every line.
@@ -136,7 +138,7 @@ class Tsplib:
         section = self.sections.get(name)
         if section is None:
             raise InputError(
-                "is missing", field=f"{name}_SECTION", mend="add it; the file may be cut off"
+                "is missing", field=f"{name}_SECTION", advice="add it; the file may be cut off"
             )
         words = section.table(width)
         if len(words) != size:
@@ -192,7 +194,7 @@ def parse(text: str) -> Tsplib:
             raise InputError(
                 f"{line.strip()!r:.60} is neither a field nor a section",
                 field=f"line {number}, column 1",
-                mend="write it as NAME : value (see TSPLIB 95)",
+                advice="write it as NAME : value (see TSPLIB 95)",
             )
     return found
 

@@ -87,7 +87,7 @@ def read_vrp(
         raise InputError(
             f"{rounding!r:.40} is not a rounding",
             field="rounding",
-            mend=f"use one of {', '.join(ROUNDINGS)}",
+            advice=f"use one of {', '.join(ROUNDINGS)}",
         )
     path = Path(path)
     file = parse(read_text(path, fallback="latin-1"))
@@ -157,7 +157,7 @@ def _check_known(file: Tsplib) -> None:
 
 def _whole(file: Tsplib, name: str, *, most: int) -> int:
     if name not in file.fields:
-        raise InputError("is missing", field=name, mend="add it; the file may be cut off")
+        raise InputError("is missing", field=name, advice="add it; the file may be cut off")
     field = file.fields[name]
     whole = re.fullmatch(r"[0-9]{1,12}", field.value)
     if whole is None or not 1 <= int(field.value) <= most:
@@ -177,7 +177,7 @@ def _demands(file: Tsplib, size: int) -> tuple[list[Fraction], list[int]]:
             demand = exact(word, field="")
         except InputError as error:
             raise file.sections["DEMAND"].error(
-                error.problem, error.mend or "correct it", row, 1
+                error.problem, error.advice or "correct it", row, 1
             ) from None
         if demand < 0:
             raise file.sections["DEMAND"].error(
@@ -188,18 +188,18 @@ def _demands(file: Tsplib, size: int) -> tuple[list[Fraction], list[int]]:
 
 
 def _depot(file: Tsplib, size: int) -> int:
-    mend = "give one node, then -1"
+    advice = "give one node, then -1"
     if "DEPOT" not in file.sections:
-        raise InputError("is missing", field="DEPOT_SECTION", mend=mend)
+        raise InputError("is missing", field="DEPOT_SECTION", advice=advice)
     section = file.sections["DEPOT"]
     numbers = section.stream().tolist()
     depots = numbers[: numbers.index(-1.0)] if -1.0 in numbers else numbers
     if not depots:
-        raise section.error("names no depot", mend)
+        raise section.error("names no depot", advice)
     if len(depots) > 1:
-        raise section.error(f"{len(depots)} depots where one belongs", mend)
+        raise section.error(f"{len(depots)} depots where one belongs", advice)
     if len(numbers) > 2:
-        raise section.error_at(2, "a number stands behind -1", mend)
+        raise section.error_at(2, "a number stands behind -1", advice)
     if depots[0] not in range(1, size + 1):
         raise section.error_at(0, f"{depots[0]:g} is not a node", f"use 1 to {size}")
     return int(depots[0]) - 1
@@ -207,12 +207,12 @@ def _depot(file: Tsplib, size: int) -> int:
 
 def _capacity(file: Tsplib) -> Fraction:
     if "CAPACITY" not in file.fields:
-        raise InputError("is missing", field="CAPACITY", mend="add it, or give --capacity")
+        raise InputError("is missing", field="CAPACITY", advice="add it, or give --capacity")
     field = file.fields["CAPACITY"]
     try:
         capacity = exact(field.value, field="")
     except InputError as error:
-        raise field.error(error.problem, error.mend or "correct it") from None
+        raise field.error(error.problem, error.advice or "correct it") from None
     if capacity <= 0:
         raise field.error(f"{field.value} is not positive", "correct it")
     return capacity
@@ -230,7 +230,7 @@ def _count(path: Path, file: Tsplib) -> int:
     raise InputError(
         "the number of vehicles is neither in the comment nor, as -kN, in the name",
         field="COMMENT",
-        mend="give the number of robots (--robots N, or --robots free)",
+        advice="give the number of robots (--robots N, or --robots free)",
     )
 
 

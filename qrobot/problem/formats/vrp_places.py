@@ -60,7 +60,7 @@ def places_of(
         raise InputError(
             f"EDGE_WEIGHT_TYPE {kind} leaves nothing to round",
             field="rounding",
-            mend="leave it out",
+            advice="leave it out",
         )
     positions = None
     if kind != "EXPLICIT" or "NODE_COORD" in file.sections:
@@ -82,11 +82,11 @@ def _kind(file: Tsplib) -> str:
     if not kind and weights is not None:
         kind = "EXPLICIT"
     if kind not in {*METRICS, "EXPLICIT", "GEO", "ATT"}:
-        mend = f"use EXPLICIT, GEO, ATT, {', '.join(METRICS)}"
+        advice = f"use EXPLICIT, GEO, ATT, {', '.join(METRICS)}"
         field = file.fields.get("EDGE_WEIGHT_TYPE")
         if field is None:
-            raise InputError("is missing", field="EDGE_WEIGHT_TYPE", mend=mend)
-        raise field.error(f"{kind:.40} is not known" if kind else "is empty", mend)
+            raise InputError("is missing", field="EDGE_WEIGHT_TYPE", advice=advice)
+        raise field.error(f"{kind:.40} is not known" if kind else "is empty", advice)
     if kind != "EXPLICIT" and weights is not None:
         raise weights.error(f"stands beside EDGE_WEIGHT_TYPE {kind}", "keep one of them")
     return kind
@@ -149,12 +149,12 @@ def _positions(file: Tsplib, size: int, kind: str) -> Floats:
 def _explicit(file: Tsplib, size: int) -> Floats:
     section = file.sections.get("EDGE_WEIGHT")
     if section is None:
-        raise InputError("is missing", field="EDGE_WEIGHT_SECTION", mend="add it")
+        raise InputError("is missing", field="EDGE_WEIGHT_SECTION", advice="add it")
     field = file.fields.get("EDGE_WEIGHT_FORMAT")
-    mend = f"use one of {', '.join(LAYOUTS)}"
+    advice = f"use one of {', '.join(LAYOUTS)}"
     if field is None:
-        raise InputError("is missing", field="EDGE_WEIGHT_FORMAT", mend=mend)
+        raise InputError("is missing", field="EDGE_WEIGHT_FORMAT", advice=advice)
     layout = field.value.upper()
     if layout not in LAYOUTS:
-        raise field.error(f"{layout:.40} is not known", mend)
+        raise field.error(f"{layout:.40} is not known", advice)
     return square_matrix(section, layout, size)

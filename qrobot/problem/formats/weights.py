@@ -150,5 +150,5 @@ def square_matrix(section: Section, layout: str, size: int) -> Floats:
 
 
 def unknown_type(name: str) -> str:
-    """Return the mend for an EDGE_WEIGHT_TYPE that is not read."""
+    """Return the advice for an EDGE_WEIGHT_TYPE that is not read."""
     return f"use EXPLICIT, GEO, ATT, {', '.join(METRICS)}" if name else "add it, such as EUC_2D"

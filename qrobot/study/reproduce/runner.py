@@ -67,7 +67,7 @@ class Settings:
         for name, value, least in (("reads", self.reads, 1), ("seed", self.seed, 0)):
             if value < least:
                 raise InputError(
-                    f"{value} is too small", field=f"--{name}", mend=f"give {least} or more"
+                    f"{value} is too small", field=f"--{name}", advice=f"give {least} or more"
                 )
         wanted = _numbers(self.rows) if self.rows else set(range(2, 13))
         if self.largest is not None:
@@ -76,7 +76,7 @@ class Settings:
             wanted = {n for n in wanted if n <= QUICK_ITEMS}
         if not wanted:
             raise InputError(
-                "no row is left", field="--rows", mend="the tables have rows of 2 to 12 items"
+                "no row is left", field="--rows", advice="the tables have rows of 2 to 12 items"
             )
         return sorted(wanted)
 
@@ -87,12 +87,12 @@ def _numbers(text: str) -> set[int]:
         first, _, last = part.strip().partition("-")
         if not (first.isdecimal() and (last or first).isdecimal()):
             raise InputError(
-                f"{text!r} names no rows", field="--rows", mend="write it like 2-5 or 2,4,10-12"
+                f"{text!r} names no rows", field="--rows", advice="write it like 2-5 or 2,4,10-12"
             )
         found |= set(range(int(first), int(last or first) + 1))
     if not found <= set(range(2, 13)):
         raise InputError(
-            f"{text!r} goes beyond the tables", field="--rows", mend="give rows of 2 to 12 items"
+            f"{text!r} goes beyond the tables", field="--rows", advice="give rows of 2 to 12 items"
         )
     return found
 
@@ -139,7 +139,9 @@ def reproduce(
     settings = settings or Settings()
     unknown = [name for name in targets if name not in TARGETS]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is not a target", mend=f"use one of {', '.join(TARGETS)}")
+        raise InputError(
+            f"{unknown[0]!r} is not a target", advice=f"use one of {', '.join(TARGETS)}"
+        )
     wanted = settings.items()
     folder = Path(output)
     try:
@@ -148,7 +150,7 @@ def reproduce(
         raise InputError(
             f"the folder cannot be made ({error.strerror})",
             source=os.fspath(output),
-            mend="choose another place",
+            advice="choose another place",
         ) from None
     report: dict[str, Any] = {
         "schema": SCHEMA,
@@ -283,12 +285,12 @@ def _finished(folder: Path, report: dict[str, Any]) -> list[Outcome]:
         raise InputError(
             f"is not a report of ours ({type(error).__name__})",
             source=os.fspath(path),
-            mend="choose another folder, or leave --resume out",
+            advice="choose another folder, or leave --resume out",
         ) from None
     raise InputError(
         "was made with other reads, another seed, version or machine",
         source=os.fspath(path),
-        mend="choose another folder, or leave --resume out",
+        advice="choose another folder, or leave --resume out",
     )
 
 

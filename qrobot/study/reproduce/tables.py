@@ -318,7 +318,7 @@ def check_page(path: str | os.PathLike[str]) -> str:
         raise InputError(
             "has no place for a table",
             source=os.fspath(path),
-            mend=f"write {' and '.join(MARKERS).format('table1')} into it, each on its own line",
+            advice=f"write {' and '.join(MARKERS).format('table1')} into it, each on its own line",
         )
     return text
 

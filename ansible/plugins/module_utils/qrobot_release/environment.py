@@ -86,5 +86,5 @@ def _run(command: list[Any], release: str, scratch: Path, held: tuple[int, ...])
     if done.returncode:
         reason = last_error(done.stderr or done.stdout)
         full = "No space left" in reason
-        mend = "make room" if full else "collect its wheels again"
-        raise ReleaseError(f"the release {release} was not installed: {reason}: {mend}")
+        advice = "make room" if full else "collect its wheels again"
+        raise ReleaseError(f"the release {release} was not installed: {reason}: {advice}")

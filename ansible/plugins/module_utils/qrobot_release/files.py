@@ -11,7 +11,7 @@ from typing import Any
 
 
 class ReleaseError(Exception):
-    """What was asked cannot be done; the text is one sentence with the mend.
+    """What was asked cannot be done; the text is one sentence with the advice.
 
     Parameters
     ----------

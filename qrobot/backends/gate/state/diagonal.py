@@ -73,11 +73,13 @@ class DiagonalQAOA:
     ) -> None:
         if precision not in PRECISIONS:
             raise InputError(
-                f"{precision!r} is not a precision", field="precision", mend="use double or single"
+                f"{precision!r} is not a precision",
+                field="precision",
+                advice="use double or single",
             )
         if not 0.0 < alpha <= 1.0:
             raise InputError(
-                f"alpha {alpha:g} is not a share", field="alpha", mend="use 0 < alpha <= 1"
+                f"alpha {alpha:g} is not a share", field="alpha", advice="use 0 < alpha <= 1"
             )
         self.form, self.alpha, self.qubits = form, alpha, form.qubits
         self.dtype = PRECISIONS[precision]
@@ -92,10 +94,12 @@ class DiagonalQAOA:
 
     def _require(self, arrays: int, what: str) -> None:
         size = arrays * self.dtype.itemsize * 2**self.qubits
-        mend = "use a smaller model"
+        advice = "use a smaller model"
         if self.dtype == np.float64 and size // 2 <= available_memory():
-            mend = "use precision 'single'"
-        resources.require(size, f"holding {what} of {self.qubits} qubits", mend, qubits=self.qubits)
+            advice = "use precision 'single'"
+        resources.require(
+            size, f"holding {what} of {self.qubits} qubits", advice, qubits=self.qubits
+        )
 
     # -- the state -------------------------------------------------------------------
 
@@ -105,7 +109,7 @@ class DiagonalQAOA:
             raise InputError(
                 f"{len(gammas)} gammas and {len(betas)} betas do not make layers",
                 field="betas",
-                mend="give one of each a layer",
+                advice="give one of each a layer",
             )
         if not (np.isfinite(gammas).all() and np.isfinite(betas).all()):
             raise InputError("an angle is not a finite number", field="gammas")

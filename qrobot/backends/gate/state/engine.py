@@ -67,7 +67,7 @@ def thread_count(threads: int | None) -> int:
     if threads is None:
         return usable_cores()
     if threads < 1:
-        raise InputError(f"{threads} threads are too few", field="threads", mend="use 1 or more")
+        raise InputError(f"{threads} threads are too few", field="threads", advice="use 1 or more")
     return threads
 
 
@@ -92,7 +92,7 @@ def make_engine(name: str = "auto", threads: int | None = 1, qubits: int = 64) -
     """
     if name not in ENGINES:
         raise InputError(
-            f"{name!r} is not an engine", field="engine", mend=f"use one of: {', '.join(ENGINES)}"
+            f"{name!r} is not an engine", field="engine", advice=f"use one of: {', '.join(ENGINES)}"
         )
     count = thread_count(threads)
     if name == "numba" and not jit.available():

@@ -37,7 +37,7 @@ class SubspaceQAOA:
     ) -> None:
         if not 0.0 < alpha <= 1.0:
             raise InputError(
-                f"alpha {alpha:g} is not a share", field="alpha", mend="use 0 < alpha <= 1"
+                f"alpha {alpha:g} is not a share", field="alpha", advice="use 0 < alpha <= 1"
             )
         count = len(costs)
         self.costs, self.mixer, self.alpha = costs, mixer, alpha
@@ -59,7 +59,7 @@ class SubspaceQAOA:
             pairs = "all" if mixer == "swap-all" else "adjacent"
             return cls(costs, SwapMixer.of(feasible, pairs), alpha=alpha)
         raise InputError(
-            f"{mixer!r} is not a mixer", field="mixer", mend="use swap, swap-all or grover"
+            f"{mixer!r} is not a mixer", field="mixer", advice="use swap, swap-all or grover"
         )
 
     # -- the state -------------------------------------------------------------------
