@@ -78,11 +78,20 @@ def test_a_job_whose_processes_were_ended_is_noticed(run: Play, tmp_path: Path) 
     assert "run it again" in told["msg"]
 
 
-def test_a_task_that_takes_too_long_is_ended_on_the_robot(run: Play, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "away", ["", "os.setpgid(0, 0);"], ids=["in its group", "out of its group"]
+)
+def test_a_task_that_takes_too_long_is_ended_on_the_robot(
+    run: Play, tmp_path: Path, away: str
+) -> None:
+    """Also where its processes are not in the group that Ansible's wrapper ends."""
     own = tmp_path / "pid"
-    _, told = run(["sh", "-c", f"echo $$ >{own}; exec sleep 600"], code=2, seconds=1)
-    assert "'Work' took longer than 1 s and was ended" in told["msg"]
-    if own.exists():  # on a busy machine it was ended before its first line
+    script = (
+        f"import os, time; {away} open({str(own)!r}, 'w').write(str(os.getpid())); time.sleep(600)"
+    )
+    _, told = run([sys.executable, "-c", script], code=2, seconds=4)
+    assert "'Work' took longer than 4 s and was ended" in told["msg"]
+    if own.exists() and own.read_text():  # on a busy machine it was ended before its first line
         assert gone(int(own.read_text()))
 
 

@@ -19,7 +19,7 @@ from stacks.figures_energies import (
 from stacks.pickings import table2_model
 from stacks.stacks import needs, random_model, small_model
 
-from qrobot.backends.gate import ising
+from qrobot.backends.gate import form
 from qrobot.models import to_ising
 
 STACKS = [pytest.param(sdk, marks=needs(sdk)) for sdk in SDKS]
@@ -74,7 +74,7 @@ def test_a_flipped_sign_is_seen_and_comes_from_one_place(sdk, monkeypatch):
     """With the annealer's convention every SDK is wrong by twice the fields, and only so."""
     model = small_cases()["reduced K=1 n=2, paper slack"]
     bits = all_bits(model.num_variables)
-    monkeypatch.setattr(ising, "to_ising", lambda bqm, _: to_ising(bqm, "annealer"))
+    monkeypatch.setattr(form, "to_ising", lambda bqm, _: to_ising(bqm, "annealer"))
     wrong = SDKS[sdk](model.bqm, bits)
     fields = (2 * bits - 1) @ to_ising(model.bqm).h
     assert np.abs(fields).max() > 1

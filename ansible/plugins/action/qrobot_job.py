@@ -61,7 +61,7 @@ class ActionModule(ActionBase):
         with suppress(AnsibleError, KeyError):  # other connections than SSH have no such option
             self._connection.set_option("reconnection_retries", 0)
         begin = answered = said = time.monotonic()
-        boot = None
+        boot, session = None, 0
         while True:
             try:
                 state = self._state(started, task_vars)
@@ -69,9 +69,9 @@ class ActionModule(ActionBase):
                 self._wait_for_answer(time.monotonic() - answered, given["silence"], error)
             else:
                 answered = time.monotonic()
-                boot = boot or state["boot"]
+                boot, session = boot or state["boot"], state.get("session") or session
                 if state["finished"]:
-                    return self._result(started, given["seconds"], task_vars)
+                    return self._result(started, session, given["seconds"], task_vars)
                 self._refuse_lost(state, boot)
             now = time.monotonic()
             # The wrapper needs a moment to end what took too long, and to say so.
@@ -84,13 +84,14 @@ class ActionModule(ActionBase):
                 display.display(f"{self.host}: '{self.name}' is at work, {now - begin:.0f} s")
             time.sleep(given["poll"])
 
-    def _state(self, started, task_vars):
-        """Ask the robot for the job."""
+    def _state(self, started, task_vars, end_session=0):
+        """Ask the robot for the job, and end what is left of its session."""
         state = self._execute_module(
             module_name="qrobot_job",
             module_args={
                 "state_of": started["results_file"],
                 "jid": started["ansible_job_id"].split(".")[0],
+                "end_session": end_session,
             },
             task_vars=task_vars,
         )
@@ -123,7 +124,7 @@ class ActionModule(ActionBase):
             return
         raise AnsibleActionFail(f"'{self.name}' did not reach its end: {why}; {AGAIN}")
 
-    def _result(self, started, seconds, task_vars):
+    def _result(self, started, session, seconds, task_vars):
         """Fetch the result of a job that is done, and remove its file."""
         asked = {
             "jid": started["ansible_job_id"],
@@ -143,6 +144,8 @@ class ActionModule(ActionBase):
         for name in ("ansible_job_id", "started", "finished", "results_file"):
             result.pop(name, None)
         if "child_pid" in result:  # what the wrapper writes of a module that it ended
+            with suppress(AnsibleConnectionFailure):
+                self._state(started, task_vars, end_session=session)
             raise AnsibleActionFail(
                 f"'{self.name}' took longer than {seconds} s and was ended: {AGAIN}"
             )

@@ -37,6 +37,10 @@ options:
   jid:
     description: The job's number; for the action alone.
     type: str
+  end_session:
+    description: The session of which all processes are ended; for the action alone.
+    type: int
+    default: 0
 author: The qRobot authors
 """
 
@@ -52,6 +56,8 @@ EXAMPLES = r"""
 RETURN = r"""#"""
 
 import json
+import os
+import signal
 from pathlib import Path
 
 from ansible.module_utils.basic import AnsibleModule
@@ -68,15 +74,35 @@ def finished(path):
     return "started" not in told or bool(told.get("finished"))
 
 
-def alive(jid, proc):
-    """Return whether a process of the job is there: it has the job's number as an argument."""
+def session_of(pid, proc):
+    """Return the session of a process."""
+    # Behind the name, which may hold anything: state, parent, group, session.
+    return int((proc / pid / "stat").read_text(errors="replace").rpartition(")")[2].split()[3])
+
+
+def session_of_job(jid, proc):
+    """Return the session of a job, 0 when it has ended: it has its number as an argument."""
     for path in proc.glob("[0-9]*/cmdline"):
         try:
             if jid.encode() in path.read_bytes().split(b"\0"):
-                return True
+                return session_of(path.parent.name, proc)
         except OSError:  # it ended meanwhile
             continue
-    return False
+    return 0
+
+
+def end(session, proc):
+    """End what is left of a job that took too long.
+
+    Ansible's wrapper ends the process group of the module, which a process that was started
+    before the group was made is not in.
+    """
+    for path in proc.glob("[0-9]*"):
+        try:
+            if session_of(path.name, proc) == session:
+                os.kill(int(path.name), signal.SIGKILL)
+        except OSError:  # it ended meanwhile
+            continue
 
 
 def main():
@@ -84,17 +110,23 @@ def main():
         argument_spec={
             "state_of": {"type": "path", "required": True},
             "jid": {"type": "str", "required": True},
+            "end_session": {"type": "int", "default": 0},
         },
         supports_check_mode=True,
     )
     path, proc = Path(module.params["state_of"]), Path("/proc")
     # In this sequence: a job that ends meanwhile has written its result before it was gone.
-    working = alive(module.params["jid"], proc)
+    session = session_of_job(module.params["jid"], proc)
     done = finished(path)
+    left = module.params["end_session"]
+    # Never the session of the connection: a job that could not leave it would end us, too.
+    if left and left != os.getsid(0) and not module.check_mode:
+        end(left, proc)
     module.exit_json(
         changed=False,
         finished=bool(done),
-        working=working,
+        working=bool(session),
+        session=session,
         kept=done is not None,
         boot=(proc / "sys/kernel/random/boot_id").read_text(encoding="utf-8").strip(),
     )
