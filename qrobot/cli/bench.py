@@ -6,7 +6,7 @@ import sys
 
 import click
 
-from qrobot.cli.options import FILE, Robots, rounding, written
+from qrobot.cli.options import FILE, Robots, objective, rounding, written
 from qrobot.cli.streams import say
 
 __all__ = ["command"]
@@ -26,6 +26,7 @@ __all__ = ["command"]
 @click.option(
     "--robots-for", multiple=True, help="--robots for some instances: 'X-*=free'. Repeatable."
 )
+@objective
 @rounding
 @click.option("--match", default="*", help="Only files whose names match, such as 'A-*'.")
 @click.option("--limit", type=int, help="Largest number of instances.")
@@ -41,6 +42,7 @@ def command(
     seeds: int,
     robots: int | str | None,
     robots_for: tuple[str, ...],
+    objective: str,
     rounding: str | None,
     match: str,
     limit: int | None,
@@ -57,10 +59,12 @@ def command(
     \b
     Examples:
       qrobot bench instances/ --backends auto,pyvrp --deadline 10 --seeds 3 --json out.json
+      qrobot bench instances/ --objective time
       qrobot bench cvrplib/ --robots-for 'X-*=free' --markdown out.md --plot out.svg
     """
     from qrobot._files import check_outputs, write_text_atomic
     from qrobot.cli.signals import terminate_as_interrupt
+    from qrobot.plan.objective import objective_named
     from qrobot.planning import DEFAULT_DEADLINE
     from qrobot.report.picture import check_picture_path
     from qrobot.study.bench import BenchRow, find_instances, run_bench, tasks
@@ -81,6 +85,7 @@ def command(
         robots=robots,
         robots_for=robots_for,
         rounding=rounding,
+        objective=objective_named(objective, field="--objective").name,
     )
     most = "" if deadline is None else f", at most {len(todo) * deadline:.0f} s of searching"
     say(f"{len(todo)} runs{most}", err=True)

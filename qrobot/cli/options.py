@@ -18,6 +18,7 @@ __all__ = [
     "Robots",
     "Setting",
     "ignore_columns",
+    "objective",
     "rounding",
     "seconds",
     "settings_of",
@@ -29,6 +30,13 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 FILE = click.Path(readable=False)
 """A path; who may not read it is told by whoever reads, with the advice."""
 
+
+objective = click.option(
+    "--objective",
+    default="distance",
+    show_default=True,
+    help="What shall be small: distance, or time (seconds of all robots: driving and picks).",
+)
 
 rounding = click.option("--rounding", help="Rounding of .vrp distances: none, nearest, up or down.")
 
@@ -88,7 +96,10 @@ class Robots(click.ParamType[int | str]):
 
 
 OWN_FLAGS = {
-    **{name: f"use --{name}" for name in ("backend", "control", "deadline", "fallback", "seed")},
+    **{
+        name: f"use --{name}"
+        for name in ("backend", "control", "deadline", "fallback", "objective", "seed")
+    },
     "max_cost": "use --max-cost",
     "max_work": "use --max-work",
     "dry_run": "use --dry-run",

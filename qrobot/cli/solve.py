@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from qrobot.cli.options import FILE, Robots, Setting, ignore_columns, rounding, settings_of
+from qrobot.cli.options import (
+    FILE,
+    Robots,
+    Setting,
+    ignore_columns,
+    objective,
+    rounding,
+    settings_of,
+)
 from qrobot.cli.streams import say, say_json
 
 if TYPE_CHECKING:
@@ -33,12 +41,7 @@ __all__ = ["command"]
     help="Seconds until the best plan so far is taken.  [default: 10]",
 )
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
-@click.option(
-    "--objective",
-    default="distance",
-    show_default=True,
-    help="What shall be small: distance, or time (seconds of all robots: driving and picks).",
-)
+@objective
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of every random choice.")
 @click.option(
     "--robots", type=Robots(), help="The first N robots (or more like them), or 'free': no limit."

@@ -17,6 +17,7 @@ from qrobot._files import read_text, write_text_atomic
 from qrobot._json import json_text
 from qrobot._processes import child_environment, python_command
 from qrobot.errors import InputError
+from qrobot.plan.objective import DISTANCE
 from qrobot.problem.checks import is_reference
 from qrobot.problem.formats.jsontext import loads
 from qrobot.problem.formats.registry import format_of, suffixes
@@ -41,6 +42,7 @@ class Task:
     robots: int | str | None = None
     reference: float | None = None
     rounding: str | None = None
+    objective: str = "distance"
 
 
 @dataclass(slots=True)
@@ -52,7 +54,7 @@ class BenchRow:
     instance, backend, seed
         Which run.
     cost, bound, reference
-        Distances; ``None`` where there is none.
+        By the objective; ``None`` where there is none. References are distances.
     gap
         cost / reference - 1, or ``None``.
     proven, feasible
@@ -164,6 +166,7 @@ def tasks(
     robots: int | str | None = None,
     robots_for: Sequence[str] = (),
     rounding: str | None = None,
+    objective: str = "distance",
 ) -> list[Task]:
     """Return every run: instances x backends x seeds.
 
@@ -179,16 +182,19 @@ def tasks(
         Exceptions as ``PATTERN=N`` or ``PATTERN=free``; the first that matches counts.
     rounding
         Of the distances of the ``.vrp`` files, as of `read`.
+    objective
+        What shall be small, by name; the known values of files are distances, so there are no
+        gaps for another one.
     """
     rules = [_rule(text) for text in robots_for]
     found = []
     for path in paths:
         own = next((n for pattern, n in rules if fnmatch.fnmatch(path.name, pattern)), robots)
-        known = references(path.parent).get(path.name)
+        known = references(path.parent).get(path.name) if objective == DISTANCE.name else None
         known_format = format_of(path.suffix.lower())
         rule = rounding if known_format and "rounding" in known_format.options else None
         found += [
-            Task(os.fspath(path), backend, seed, deadline, max_work, own, known, rule)
+            Task(os.fspath(path), backend, seed, deadline, max_work, own, known, rule, objective)
             for backend in backends
             for seed in range(seeds)
         ]
@@ -234,6 +240,7 @@ def run_bench(
     report: dict[str, Any] = {
         "schema": BENCH_SCHEMA,
         **measured_here(),
+        "objective": todo[0].objective if todo else DISTANCE.name,
         "runs": len(todo),
         "interrupted": False,
         "rows": [],

@@ -97,7 +97,7 @@ def bench_markdown(report: dict[str, Any], title: str, *, rows: bool = True) -> 
         f"## {title}",
         "",
         f"{machine_text(report)} Seconds are `solve`'s own (imports and reading not included); "
-        "memory is the whole process.",
+        f"memory is the whole process.{_objective_text(report)}",
         "",
         *markdown_table(heads, cells, left={0}),
     ]
@@ -115,6 +115,11 @@ def bench_markdown(report: dict[str, Any], title: str, *, rows: bool = True) -> 
         ]
         lines += ["", *markdown_table(heads, cells, left={0, 1, 7})]
     return "\n".join(lines) + "\n"
+
+
+def _objective_text(report: dict[str, Any]) -> str:
+    objective = report.get("objective", "distance")
+    return "" if objective == "distance" else f" Costs are by the objective {objective}."
 
 
 def row_text(row: BenchRow) -> str:
@@ -151,6 +156,8 @@ def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
             )
         axes.set_xscale("log")
         axes.set_xlabel("seconds of solve")
-        axes.set_ylabel("gap to the reference, %" if with_gap else "distance")
+        axes.set_ylabel(
+            "gap to the reference, %" if with_gap else report.get("objective", "distance")
+        )
         if axes.get_lines():
             axes.legend()

@@ -15,6 +15,7 @@ from qrobot._json import json_text
 from qrobot._machine import peak_memory
 from qrobot._processes import end_with_parent
 from qrobot.errors import InfeasibleError, QRobotError
+from qrobot.plan.objective import DISTANCE
 from qrobot.planning import solve
 from qrobot.problem.formats import read
 
@@ -26,13 +27,16 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
     row: dict[str, Any] = {}
     try:
         instance = read(task["path"], robots=task["robots"], rounding=task.get("rounding"))
-        row["reference"] = instance.reference
+        objective = task.get("objective", DISTANCE.name)
+        if objective == DISTANCE.name:  # what files know of is a distance
+            row["reference"] = instance.reference
         result = solve(
             instance,
             backend=task["backend"],
             deadline=task["deadline"],
             max_work=task["max_work"],
             seed=task["seed"],
+            objective=objective,
         )
     except InfeasibleError as error:
         row |= {"error": str(error), "proven": error.proven}

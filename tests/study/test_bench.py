@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from processes import HANG
 
+import qrobot
 from qrobot.errors import InputError
 from qrobot.study import bench
 from qrobot.study.bench import BenchRow, Task, find_instances, run_bench, tasks
@@ -67,6 +69,24 @@ def test_tasks_are_instances_by_backends_by_seeds(tmp_path: Path) -> None:
         ("A-n5-k2", 7, None),
         ("X-n9-k3", "free", 12.0),
     }
+
+
+def test_another_objective_is_compared_without_references(tmp_path: Path) -> None:
+    instance = qrobot.read(TINY)
+    robots = tuple(dataclasses.replace(robot, speed=2.0) for robot in instance.robots)
+    path = tmp_path / "fast.json"
+    best = qrobot.solve(instance).cost
+    qrobot.write(dataclasses.replace(instance, robots=robots, reference=best), path)
+    (tmp_path / "index.json").write_text(f'[{{"file": "fast.json", "value": {best}}}]')
+    for objective, cost, gap in (("distance", best, 0.0), ("time", best / 2, None)):
+        report = run_bench(tasks([path], ["auto"], 1, deadline=5.0, objective=objective))
+        (row,) = report["rows"]
+        assert report["objective"] == objective
+        assert row["cost"] == pytest.approx(cost)
+        assert row["bound"] == pytest.approx(cost)
+        assert row["gap"] == (None if gap is None else pytest.approx(gap, abs=1e-9))
+        assert row["proven"]
+    assert "by the objective time" in bench_markdown(report, "here")
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '[{"value": 3}]', '[{"file": "a", "value": "x"}]'])
