@@ -165,6 +165,8 @@ def command(
                 useless = {
                     "--output": output, "--picture": picture, "--control": control,
                     "--fallback": fallback, "--deadline": deadline,
+                    # A job that is fetched later is judged by its distance.
+                    "--objective": no_wait and objective != "distance",
                 }  # fmt: skip
                 _refuse("--dry-run" if dry_run else "--no-wait", useless)
                 _only(dry_run, question, backend, seed, max_cost, max_work, options, as_json)

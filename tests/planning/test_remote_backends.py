@@ -222,6 +222,18 @@ def test_a_round_that_fails_costs_no_reads_of_the_rounds_before(
     assert len(jobs()) == 1
 
 
+def test_a_job_for_later_takes_no_other_objective(
+    instance: qrobot.Instance, service: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    qrobot.write(instance, service / "question.json")
+    with pytest.raises(SystemExit) as ended:
+        main(["solve", str(service / "question.json"), "-b", NAME, "--no-wait",
+              "--objective", "time"])  # fmt: skip
+    assert ended.value.code == 2
+    assert "--objective: --no-wait makes no plan yet" in capsys.readouterr().err
+    assert not jobs()
+
+
 def test_waiting_is_no_option_of_solve(instance: qrobot.Instance) -> None:
     for name, advice in (("wait", "--no-wait"), ("dry_run", "--dry-run")):
         with pytest.raises(qrobot.InputError, match=advice):
