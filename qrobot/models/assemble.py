@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Bools, Floats
-from qrobot.models.layout import Layout
+from qrobot.models.layout import VariableLayout
 from qrobot.models.penalties import Penalties
 from qrobot.models.potentials import Potentials
 from qrobot.problem import Instance
@@ -31,7 +31,7 @@ BLOCK = 1_000_000
 class _Terms:
     """What a model is made of, as arrays over its variables."""
 
-    layout: Layout
+    layout: VariableLayout
     penalties: Penalties
     ways: Floats
     load: Floats
@@ -114,7 +114,7 @@ class _Terms:
 
 
 def assemble(
-    instance: Instance, layout: Layout, penalties: Penalties, potentials: Potentials
+    instance: Instance, layout: VariableLayout, penalties: Penalties, potentials: Potentials
 ) -> dimod.BinaryQuadraticModel:
     """Return the model: binary, float64, variables in the layout's order.
 

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from qrobot._arrays import Bools
-from qrobot.models.fleet import Fleet, fleet_of, limits_of
-from qrobot.models.layout import Layout, check_size, layered
+from qrobot.models.fleet import Vehicles, fleet_of, limits_of
+from qrobot.models.layout import VariableLayout, check_size, layered
 from qrobot.models.slack import Slack, slack_coefficients
 from qrobot.problem import Instance
 
@@ -26,7 +26,9 @@ PAIRS = 2
 """Up to this many items a vehicle, capacity is a matter of pairs."""
 
 
-def compact_layout(instance: Instance, slack: Slack, *, break_symmetry: bool = False) -> Layout:
+def compact_layout(
+    instance: Instance, slack: Slack, *, break_symmetry: bool = False
+) -> VariableLayout:
     """Return the variables of the compact encoding.
 
     Parameters
@@ -78,7 +80,7 @@ def compact_layout(instance: Instance, slack: Slack, *, break_symmetry: bool = F
     )
 
 
-def anchors(instance: Instance, fleet: Fleet) -> list[tuple[list[int], list[int]]]:
+def anchors(instance: Instance, fleet: Vehicles) -> list[tuple[list[int], list[int]]]:
     """Return groups of equal vehicles, each with the items that tell them apart.
 
     The r-th anchor, counting from 0, may only be on the first r + 1 vehicles of its group
@@ -94,7 +96,7 @@ def anchors(instance: Instance, fleet: Fleet) -> list[tuple[list[int], list[int]
     return found
 
 
-def _excluded(instance: Instance, fleet: Fleet) -> list[tuple[int, int]]:
+def _excluded(instance: Instance, fleet: Vehicles) -> list[tuple[int, int]]:
     """Return the pairs of vehicle and item that breaking the symmetry excludes."""
     return [
         (k, node)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Bits, Bools
-from qrobot.models.layout import Layout
+from qrobot.models.layout import VariableLayout
 from qrobot.problem import Instance
 
 __all__ = ["Decoded", "Reads", "Violation", "bits_of", "decode_row", "decode_rows"]
@@ -112,7 +112,7 @@ class _Judged:
     """(R, K, 2): not at the depot at the start, at the end"""
 
 
-def decode_rows(instance: Instance, layout: Layout, bits: Bits) -> Reads:
+def decode_rows(instance: Instance, layout: VariableLayout, bits: Bits) -> Reads:
     """Judge samples, shape (reads, variables) of 0 and 1 in the layout's order."""
     cells = max(1, len(layout.fleet) * layout.steps * (layout.items + 1))
     height = max(1, CELLS // cells)
@@ -125,7 +125,7 @@ def decode_rows(instance: Instance, layout: Layout, bits: Bits) -> Reads:
     )
 
 
-def _judged(instance: Instance, layout: Layout, bits: Bits) -> _Judged:
+def _judged(instance: Instance, layout: VariableLayout, bits: Bits) -> _Judged:
     """Sum up samples, constraint by constraint."""
     reads, robots = len(bits), len(layout.fleet)
     n, steps = layout.items, layout.steps
@@ -151,13 +151,13 @@ def _trips_of_orders(instance: Instance, carried: Bools) -> npt.NDArray[np.int64
     return np.asarray(((carried.astype(np.int64) @ member) > 0).sum(axis=1))
 
 
-def _away(layout: Layout, grid: Bools) -> Bools:
+def _away(layout: VariableLayout, grid: Bools) -> Bools:
     if layout.first:
         return np.zeros((*grid.shape[:2], 2), dtype=np.bool_)
     return ~grid[:, :, [0, layout.items + 1], 0]
 
 
-def _reads(instance: Instance, layout: Layout, judged: _Judged) -> Reads:
+def _reads(instance: Instance, layout: VariableLayout, judged: _Judged) -> Reads:
     exists = np.arange(layout.steps) < layout.layers[:, None]
     feasible = (
         ((judged.places == 1) | ~exists).all(axis=(1, 2))
@@ -179,7 +179,7 @@ def _reads(instance: Instance, layout: Layout, judged: _Judged) -> Reads:
     return Reads(np.isfinite(distances), distances)
 
 
-def decode_row(instance: Instance, layout: Layout, bits: Bits, energy: float) -> Decoded:
+def decode_row(instance: Instance, layout: VariableLayout, bits: Bits, energy: float) -> Decoded:
     """Return routes and violations of one sample, shape (variables,)."""
     judged = _judged(instance, layout, bits[None, :])
     grid = judged.grid[0]
@@ -193,7 +193,7 @@ def decode_row(instance: Instance, layout: Layout, bits: Bits, energy: float) ->
     )
 
 
-def _violations(instance: Instance, layout: Layout, judged: _Judged) -> Iterator[Violation]:
+def _violations(instance: Instance, layout: VariableLayout, judged: _Judged) -> Iterator[Violation]:
     names = layout.fleet.names
     for k, layers in enumerate(layout.layers.tolist()):
         for t in range(layers):
@@ -239,6 +239,6 @@ def _ways(instance: Instance, routes: list[list[int]]) -> Iterator[Violation]:
                 yield Violation("way", text, 1, robot=k)
 
 
-def bits_of(layout: Layout, sample: Any) -> Bits:
+def bits_of(layout: VariableLayout, sample: Any) -> Bits:
     """Return a sample (label to value; 0/1, bool or spin) as 0 and 1 in the layout's order."""
     return np.array([sample[label] > 0 for label in layout.labels], dtype=np.int8)

@@ -9,7 +9,7 @@ import numpy as np
 from qrobot._arrays import Bits
 from qrobot.errors import InputError
 from qrobot.models.compact import anchors
-from qrobot.models.layout import Layout
+from qrobot.models.layout import VariableLayout
 from qrobot.models.slack import slack_bits
 from qrobot.problem import Instance
 
@@ -17,7 +17,7 @@ __all__ = ["encode_routes"]
 
 
 def encode_routes(
-    instance: Instance, layout: Layout, routes: Sequence[Sequence[int]], *, canonical: bool
+    instance: Instance, layout: VariableLayout, routes: Sequence[Sequence[int]], *, canonical: bool
 ) -> Bits:
     """Return the variables of a plan, shape (variables,).
 
@@ -73,7 +73,9 @@ def _load(instance: Instance, route: Sequence[int]) -> int:
     return sum(int(instance.weights[v - 1]) for v in route)
 
 
-def _seated(instance: Instance, layout: Layout, routes: Sequence[Sequence[int]]) -> list[list[int]]:
+def _seated(
+    instance: Instance, layout: VariableLayout, routes: Sequence[Sequence[int]]
+) -> list[list[int]]:
     """Return one route a vehicle, empty ones for those that stay home."""
     plan = [[int(v) for v in route] for route in routes]
     for k, route in enumerate(plan):
@@ -102,7 +104,9 @@ def _seated(instance: Instance, layout: Layout, routes: Sequence[Sequence[int]])
     return plan
 
 
-def _relabelled(instance: Instance, layout: Layout, plan: list[list[int]]) -> list[list[int]]:
+def _relabelled(
+    instance: Instance, layout: VariableLayout, plan: list[list[int]]
+) -> list[list[int]]:
     """Return the plan with the trips of equal vehicles sorted by their first anchor."""
     for group, nodes in anchors(instance, layout.fleet):
         rank = {node: r for r, node in enumerate(nodes)}

@@ -12,11 +12,11 @@ from qrobot.errors import InfeasibleError
 from qrobot.problem import Instance
 from qrobot.problem.packing import what_is_enough
 
-__all__ = ["Fleet", "Limits", "fleet_of", "limits_of"]
+__all__ = ["TripLimits", "Vehicles", "fleet_of", "limits_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fleet:
+class Vehicles:
     """The vehicles of a model, the largest first.
 
     Parameters
@@ -35,7 +35,7 @@ class Fleet:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Limits:
+class TripLimits:
     """What every feasible plan keeps to, vehicle by vehicle: free cuts for a small model.
 
     Parameters
@@ -56,7 +56,7 @@ class Limits:
     binding: npt.NDArray[np.bool_]
 
 
-def fleet_of(instance: Instance, *, every_robot: bool = False) -> Fleet:
+def fleet_of(instance: Instance, *, every_robot: bool = False) -> Vehicles:
     """Return the vehicles: one for each trip that a robot may make, the largest first.
 
     Parameters
@@ -76,12 +76,12 @@ def fleet_of(instance: Instance, *, every_robot: bool = False) -> Fleet:
     order = sorted(range(len(rooms)), key=lambda k: -rooms[k])
     if not every_robot:
         order = order[:most]
-    return Fleet(
+    return Vehicles(
         np.array([rooms[k] for k in order], dtype=np.int64), tuple(names[k] for k in order)
     )
 
 
-def limits_of(instance: Instance, fleet: Fleet) -> Limits:
+def limits_of(instance: Instance, fleet: Vehicles) -> TripLimits:
     """Return bounds of items and load for each vehicle.
 
     Raises
@@ -123,7 +123,7 @@ def limits_of(instance: Instance, fleet: Fleet) -> Limits:
             f"at least {int(least[k])} items are left for robot {fleet.names[k]}, whose "
             f"{int(rooms[k]) * unit:g} holds {int(most[k])}; {what_is_enough(instance)}"
         )
-    return Limits(most, least, lightest, reached[most] > rooms)
+    return TripLimits(most, least, lightest, reached[most] > rooms)
 
 
 def _most_items(instance: Instance, room: int) -> int:

@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from qrobot.models.fleet import fleet_of
-from qrobot.models.layout import Layout, check_size, layered
+from qrobot.models.layout import VariableLayout, check_size, layered
 from qrobot.models.slack import Slack, slack_coefficients
 from qrobot.problem import Instance
 
 __all__ = ["full_layout"]
 
 
-def full_layout(instance: Instance, slack: Slack) -> Layout:
+def full_layout(instance: Instance, slack: Slack) -> VariableLayout:
     """Return the variables of the full encoding."""
     fleet = fleet_of(instance, every_robot=True)
     n, robots = instance.size, len(fleet)

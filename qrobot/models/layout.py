@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from qrobot._arrays import Bools, Ints
 from qrobot.errors import InputError
-from qrobot.models.fleet import Fleet
+from qrobot.models.fleet import Vehicles
 from qrobot.models.penalties import Encoding
 
-__all__ = ["MAX_VARIABLES", "Layout", "layered"]
+__all__ = ["MAX_VARIABLES", "VariableLayout", "layered"]
 
 
 MAX_VARIABLES = 5_000
@@ -22,7 +22,7 @@ MAX_VARIABLES = 5_000
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class VariableLayout:
     """The variables of a model: x[t,i,p] first, by robot, step and node; then the slack.
 
     Parameters
@@ -48,7 +48,7 @@ class Layout:
     """
 
     encoding: Encoding
-    fleet: Fleet
+    fleet: Vehicles
     items: int
     vehicle: Ints
     step: Ints
@@ -111,7 +111,7 @@ class Layout:
 
 def layered(
     encoding: Encoding,
-    fleet: Fleet,
+    fleet: Vehicles,
     items: int,
     *,
     first: int,
@@ -120,13 +120,13 @@ def layered(
     slack: Sequence[Ints],
     summed: Bools,
     paired: Bools,
-) -> Layout:
+) -> VariableLayout:
     """Make a layout from what each vehicle may be at each of its steps.
 
     Parameters
     ----------
     encoding, fleet, items, first, last, summed, paired
-        As in `Layout`.
+        As in `VariableLayout`.
     allowed
         For each vehicle which nodes it may be at, shape (layers, n + 1).
     slack
@@ -140,7 +140,7 @@ def layered(
     size = sum(int(a.sum()) for a in allowed) + sum(len(s) for s in slack)
     check_size(size, encoding)
     found = [np.nonzero(a) for a in allowed]
-    return Layout(
+    return VariableLayout(
         encoding=encoding,
         fleet=fleet,
         items=items,

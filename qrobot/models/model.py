@@ -18,7 +18,7 @@ from qrobot.models.compact import compact_layout
 from qrobot.models.decode import Decoded, Reads, bits_of, decode_row, decode_rows
 from qrobot.models.encode import encode_routes
 from qrobot.models.full import full_layout
-from qrobot.models.layout import Layout
+from qrobot.models.layout import VariableLayout
 from qrobot.models.penalties import Encoding, Penalties
 from qrobot.models.potentials import potentials_of
 from qrobot.models.reduced import reduced_layout
@@ -58,7 +58,7 @@ class PickingModel:
     """
 
     instance: Instance
-    layout: Layout
+    layout: VariableLayout
     penalties: Penalties
     bqm: dimod.BinaryQuadraticModel
     slack: Slack
@@ -226,7 +226,7 @@ def model_for(
     return build_model(instance, "compact")
 
 
-def _check_digits(instance: Instance, layout: Layout, weights: Penalties) -> None:
+def _check_digits(instance: Instance, layout: VariableLayout, weights: Penalties) -> None:
     """Refuse a capacity whose square would swallow the digits of the distances."""
     rooms = layout.fleet.capacities[layout.summed]
     if not len(rooms):

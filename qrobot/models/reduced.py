@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from qrobot.models.fleet import fleet_of
-from qrobot.models.layout import Layout, check_size, layered
+from qrobot.models.layout import VariableLayout, check_size, layered
 from qrobot.models.slack import Slack, slack_coefficients
 from qrobot.problem import Instance
 
 __all__ = ["reduced_layout"]
 
 
-def reduced_layout(instance: Instance, slack: Slack) -> Layout:
+def reduced_layout(instance: Instance, slack: Slack) -> VariableLayout:
     """Return the variables of the reduced encoding."""
     fleet = fleet_of(instance, every_robot=True)
     n, robots = instance.size, len(fleet)

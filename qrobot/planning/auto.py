@@ -31,7 +31,7 @@ the work."""
 PROOF_SHARE = 0.6
 """The proof gets this share of the time; then the search goes on."""
 
-PATIENCE = 0.3
+PACKING_SHARE = 0.3
 """A search that found no plan in this share of the time gets a packing to start from."""
 
 
@@ -145,9 +145,9 @@ class _Patient(Stop):
             return True
         if self._run.best.routes is not None:
             return False
-        if self.max_work is not None and work > PATIENCE * self.max_work:
+        if self.max_work is not None and work > PACKING_SHARE * self.max_work:
             return True
-        return self.seconds is not None and self.elapsed > PATIENCE * self.seconds
+        return self.seconds is not None and self.elapsed > PACKING_SHARE * self.seconds
 
 
 def _proving(stop: Stop) -> Stop:

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from qrobot.backends import Routes, Stop
-from qrobot.backends.classical.batching import Yard, begin, polished
+from qrobot.backends.classical.batching import SearchData, batches_of, ruin_and_recreate
 from qrobot.problem import Instance
 
 __all__ = ["POLISH_ROUNDS", "random_routes", "repair_and_polish"]
@@ -40,9 +40,9 @@ def repair_and_polish(
     rounds
         Rounds of polish; 0 repairs only.
     """
-    yard = Yard(instance, seed, stop)
-    state = begin(yard, start)
-    routes = polished(yard, state, stop.within(max_work=rounds))
+    data = SearchData(instance, seed, stop)
+    state = batches_of(data, start)
+    routes = ruin_and_recreate(data, state, stop.within(max_work=rounds))
     return None if routes is None or math.isinf(instance.length(routes)) else routes
 
 

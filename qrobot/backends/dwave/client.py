@@ -163,7 +163,7 @@ class DWaveCloudSampler(PickingSampler):
         note = f"price {price_source('dwave-hour')}"
         return by_time(seconds, price("dwave-hour") / 3600 / rate, what, note)
 
-    def handed_over(self, samples: Any) -> tuple[str, str]:
+    def id_and_device(self, samples: Any) -> tuple[str, str]:
         """Return the service's id of a job that was just submitted, and the device."""
         if self.jobs is not None:
             remote_id = samples.wait_id(timeout=self._limit or 120.0)

@@ -74,7 +74,7 @@ class LeapBQMSampler(DWaveCloudSampler):
         self.connect(parameters.get("device"))
         model = self.model(bqm)
         limit = self.seconds(model, parameters.get("time_limit"))
-        return self.handed_over(self.send(model, limit, label))
+        return self.id_and_device(self.send(model, limit, label))
 
     def send(self, model: Any, time_limit: float, label: str) -> dimod.SampleSet:
         """Submit a model to the solver; the samples are not there yet."""

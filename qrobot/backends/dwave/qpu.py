@@ -172,7 +172,7 @@ class DWaveQPUSampler(DWaveCloudSampler):
         if "label" in child.parameters:
             given["label"] = label
         composite.sample(bqm, chain_break_method=method, **given)
-        return self.handed_over(tap.sent)
+        return self.id_and_device(tap.sent)
 
     def fetch(self, job: RemoteJob) -> Answer:
         """Return the samples, chains resolved, with the energies of the submitted model."""

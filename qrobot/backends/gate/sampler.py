@@ -18,7 +18,7 @@ from qrobot.backends.gate.form import Form, terms
 from qrobot.backends.gate.options import SEARCH, Options
 from qrobot.backends.gate.remote import RemoteEngine
 from qrobot.backends.gate.resources import few_threads
-from qrobot.backends.gate.search import Search, facts_of, ground, lengths
+from qrobot.backends.gate.search import ParameterSearch, facts_of, ground, lengths
 from qrobot.backends.sampler import (
     Parameter,
     PickingSampler,
@@ -178,11 +178,11 @@ class VariationalSampler(PickingSampler):
             job_options,
         )
 
-    def _search(self, bqm: Any, options: Options) -> tuple[Search, int]:
+    def _search(self, bqm: Any, options: Options) -> tuple[ParameterSearch, int]:
         seed = _fresh() if options.seed is None else int(options.seed)
         form = Form.from_bqm(bqm)
         ansatz = make_ansatz(options.ansatz, form, terms(bqm), options.layers)
-        return Search(self.algorithm, options, form, ansatz, seed), seed
+        return ParameterSearch(self.algorithm, options, form, ansatz, seed), seed
 
     def _sample_here(self, bqm: Any, options: Options, own: dict[str, Any]) -> dimod.SampleSet:
         clock = [time.perf_counter()]
@@ -216,7 +216,7 @@ class VariationalSampler(PickingSampler):
 
     def _prepared(
         self, bqm: Any, options: Options, own: dict[str, Any], job_options: JobOptions
-    ) -> tuple[tuple[Search, int], RemoteEngine, Estimate]:
+    ) -> tuple[tuple[ParameterSearch, int], RemoteEngine, Estimate]:
         """Return the search, the machine and what both together would cost at most."""
         qubits, trains = bqm.num_variables, options.evaluations != 0
         if trains and options.train != "device":

@@ -15,14 +15,14 @@ from qrobot.backends.gate.optimisers import GRADIENT, SWEEPS, Found, minimise
 from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.resources import few_threads
 
-__all__ = ["Search", "facts_of", "ground", "lengths"]
+__all__ = ["ParameterSearch", "facts_of", "ground", "lengths"]
 
 
 SHOTS = 1000
 """Of an evaluation on a device that has no exact probabilities."""
 
 
-class Search:
+class ParameterSearch:
     """A search for the parameters of an ansatz.
 
     Parameters
@@ -133,7 +133,7 @@ def lengths(names: tuple[str, ...], clock: list[float]) -> dict[str, float]:
 
 
 def facts_of(
-    search: Search, seed: int, engine: Engine, trainer: Engine, found: Found
+    search: ParameterSearch, seed: int, engine: Engine, trainer: Engine, found: Found
 ) -> dict[str, Any]:
     """Return the info of a sample set; `VariationalSampler` says what is in it."""
     return {

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from qrobot._extras import load
 from qrobot.errors import InputError
-from qrobot.models.fleet import Fleet, fleet_of
+from qrobot.models.fleet import Vehicles, fleet_of
 from qrobot.models.layout import MAX_VARIABLES
 from qrobot.models.penalties import Penalties
 from qrobot.models.slack import Slack, slack_coefficients
@@ -100,7 +100,7 @@ def picking_docplex(
 class _Writer:
     """Writes the formulas into an empty docplex model."""
 
-    def __init__(self, model: Any, instance: Instance, fleet: Fleet, *, full: bool) -> None:
+    def __init__(self, model: Any, instance: Instance, fleet: Vehicles, *, full: bool) -> None:
         self.model, self.instance, self.fleet, self.full = model, instance, fleet, full
         self.n, self.robots = instance.size, range(1, len(fleet) + 1)
         self.steps = range(self.n + 2) if full else range(1, self.n + 1)

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable
 
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
-from qrobot.backends.classical.batching.ruin import Batches, Yard
+from qrobot.backends.classical.batching.ruin import Batches, SearchData
 from qrobot.problem import Instance
 
-__all__ = ["BatchingPlanner", "begin", "polished"]
+__all__ = ["BatchingPlanner", "batches_of", "ruin_and_recreate"]
 
 WARM, COLD = 0.1, 0.001
 """First and last temperature of the acceptance, as shares of the mean trip length."""
@@ -41,15 +41,15 @@ class BatchingPlanner:
         """Search until `stop`; see `Planner.search`. `start` may leave orders out."""
         if not instance.orders:
             return Search(routes=[])
-        yard = Yard(instance, seed, stop)
+        data = SearchData(instance, seed, stop)
         counter = _Counter(stop)
 
         def tell(tours: list[list[int]]) -> None:
             if on_best is not None:
-                routes = yard.routes(tours)
+                routes = data.routes(tours)
                 on_best(routes, instance.length(routes))
 
-        routes = polished(yard, begin(yard, start), counter, tell)
+        routes = ruin_and_recreate(data, batches_of(data, start), counter, tell)
         return Search(routes=routes, work=counter.rounds)
 
 
@@ -65,8 +65,8 @@ class _Counter(Stop):
         return super().__call__(work)
 
 
-def polished(
-    yard: Yard,
+def ruin_and_recreate(
+    data: SearchData,
     now: Batches,
     stop: Stop,
     tell: Callable[[list[list[int]]], None] | None = None,
@@ -75,7 +75,7 @@ def polished(
 
     Parameters
     ----------
-    yard
+    data
         The instance.
     now
         Where to start; changed.
@@ -86,7 +86,7 @@ def polished(
     """
     best = now.copy()
     told = math.inf
-    scale = yard.driven(now.tours) / max(1, sum(1 for tour in now.tours if tour))
+    scale = data.driven(now.tours) / max(1, sum(1 for tour in now.tours if tour))
     rounds = 0
     while True:
         if not best.absent and best.cost < told:
@@ -99,32 +99,32 @@ def polished(
         heat = scale * WARM * (COLD / WARM) ** _progress(stop, rounds)
         trial = now.copy()
         changed = trial.ruin() | trial.recreate()
-        limit = now.cost - heat * math.log(max(yard.rng.random(), 1e-300))
+        limit = now.cost - heat * math.log(max(data.rng.random(), 1e-300))
         if trial.cost < limit * 1.01 + heat:
             trial.polish({t for t in changed if trial.tours[t]})
         if trial.cost < limit:
             now = trial
             if now.cost < best.cost * (1 - 1e-12):
                 best = now.copy()
-    return None if best.absent else yard.routes(best.tours)
+    return None if best.absent else data.routes(best.tours)
 
 
-def begin(yard: Yard, routes: Routes | None) -> Batches:
+def batches_of(data: SearchData, routes: Routes | None) -> Batches:
     """Return the state of given routes, completed by insertion of what they leave out.
 
     Parameters
     ----------
-    yard
+    data
         The instance.
     routes
         Routes of nodes; orders that are split, repeated or too heavy for their trip are
         taken out and inserted anew.
     """
-    state = Batches.empty(yard)
-    if routes is None and len(yard.weights) * len(yard.capacities) > MANY:
-        routes = yard.instance.first_routes()  # one by one would take seconds
+    state = Batches.empty(data)
+    if routes is None and len(data.weights) * len(data.capacities) > MANY:
+        routes = data.instance.first_routes()  # one by one would take seconds
     if routes:
-        _place(state, yard.tours(routes))
+        _place(state, data.tours(routes))
     state.recreate()
     state.polish({t for t, tour in enumerate(state.tours) if tour})
     return state
@@ -132,27 +132,27 @@ def begin(yard: Yard, routes: Routes | None) -> Batches:
 
 def _place(state: Batches, tours: list[list[int]]) -> None:
     """Lay tours onto the trips, the heaviest onto the largest, as far as they are valid."""
-    yard = state.yard
+    data = state.data
     placed: set[int] = set()
     batches = []
     for tour in tours:
         here = set(tour)
         whole = {
             order
-            for order in {yard.order_of[s] for s in tour}
-            if order not in placed and here.issuperset(yard.order_stops[order])
+            for order in {data.order_of[s] for s in tour}
+            if order not in placed and here.issuperset(data.order_stops[order])
         }
         placed |= whole
-        kept = [s for s in tour if yard.order_of[s] in whole]
-        batches.append((sum(yard.weights[o] for o in whole), kept))
+        kept = [s for s in tour if data.order_of[s] in whole]
+        batches.append((sum(data.weights[o] for o in whole), kept))
     batches.sort(key=lambda b: -b[0])
-    for trip, ((_, tour), capacity) in enumerate(zip(batches, yard.capacities, strict=False)):
+    for trip, ((_, tour), capacity) in enumerate(zip(batches, data.capacities, strict=False)):
         load, kept_orders = 0, set()
-        for order in dict.fromkeys(yard.order_of[s] for s in tour):
-            if load + yard.weights[order] <= capacity:
-                load += yard.weights[order]
+        for order in dict.fromkeys(data.order_of[s] for s in tour):
+            if load + data.weights[order] <= capacity:
+                load += data.weights[order]
                 kept_orders.add(order)
-        state.put(trip, [s for s in tour if yard.order_of[s] in kept_orders])
+        state.put(trip, [s for s in tour if data.order_of[s] in kept_orders])
         state.loads[trip] = load
         state.absent = [o for o in state.absent if o not in kept_orders]
 

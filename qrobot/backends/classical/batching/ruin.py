@@ -17,7 +17,7 @@ from qrobot.backends.classical.batching.tour import improve_tour, tour_length
 from qrobot.backends.classical.whole import usual_distance
 from qrobot.problem import Instance
 
-__all__ = ["Batches", "Yard"]
+__all__ = ["Batches", "SearchData"]
 
 AVERAGE_REMOVED = 8
 BLINK = 0.02
@@ -27,7 +27,7 @@ FAR = 10.0
 """Ways this many times as long as usual say nothing about the differences between plans."""
 
 
-class Yard:
+class SearchData:
     """The instance in the numbers that the search works with.
 
     Stops are nodes 1..S of a matrix whose node 0 is the depot; orders own stops.
@@ -100,7 +100,7 @@ class Batches:
 
     Parameters
     ----------
-    yard
+    data
         The instance.
     tours
         Stops of each possible trip in sequence; trip k has the k-th largest capacity.
@@ -110,66 +110,66 @@ class Batches:
         Orders that are on no trip.
     """
 
-    yard: Yard
+    data: SearchData
     tours: list[list[int]]
     loads: list[int]
     lengths: list[float]
     absent: list[int]
 
     @classmethod
-    def empty(cls, yard: Yard) -> Batches:
+    def empty(cls, data: SearchData) -> Batches:
         """Return the state in which nothing is collected yet."""
-        trips = len(yard.capacities)
+        trips = len(data.capacities)
         return cls(
-            yard,
+            data,
             [[] for _ in range(trips)],
             [0] * trips,
             [0.0] * trips,
-            [*range(len(yard.weights))],
+            [*range(len(data.weights))],
         )
 
     def copy(self) -> Batches:
         """Return a state that can be changed without changing this one."""
         return Batches(
-            self.yard, self.tours.copy(), self.loads.copy(), self.lengths.copy(), self.absent.copy()
+            self.data, self.tours.copy(), self.loads.copy(), self.lengths.copy(), self.absent.copy()
         )
 
     @property
     def cost(self) -> float:
         """Distance, with a price on trips (ties) and a very high one on absent orders."""
         used = sum(1 for tour in self.tours if tour)
-        out = sum(self.yard.weights[o] + 1 for o in self.absent)
-        return float(sum(self.lengths) + self.yard.tie * used + self.yard.lost * out)
+        out = sum(self.data.weights[o] + 1 for o in self.absent)
+        return float(sum(self.lengths) + self.data.tie * used + self.data.lost * out)
 
     def put(self, trip: int, tour: list[int]) -> None:
         """Set a trip's tour and its length."""
         self.tours[trip] = tour
-        self.lengths[trip] = tour_length(self.yard.distances, tour)
+        self.lengths[trip] = tour_length(self.data.distances, tour)
 
     def remove(self, order: int) -> None:
         """Take an order off its trip."""
-        stops = set(self.yard.order_stops[order])
+        stops = set(self.data.order_stops[order])
         for trip, tour in enumerate(self.tours):
             if not stops.isdisjoint(tour):
                 self.put(trip, [s for s in tour if s not in stops])
-                self.loads[trip] -= self.yard.weights[order]
+                self.loads[trip] -= self.data.weights[order]
                 break
         self.absent.append(order)
 
     def ruin(self) -> set[int]:
         """Remove orders near a random one, in runs along their trips; return the trips."""
-        yard, rng = self.yard, self.yard.rng
-        count = len(yard.weights)
+        data, rng = self.data, self.data.rng
+        count = len(data.weights)
         filled = sum(1 for tour in self.tours if tour)
         longest = max(1.0, min(10.0, (count - len(self.absent)) / max(filled, 1)))
         strings = int(rng.uniform(1, 4 * AVERAGE_REMOVED / (1 + longest)))
-        trip_of = {yard.order_of[s]: t for t, tour in enumerate(self.tours) for s in tour}
+        trip_of = {data.order_of[s]: t for t, tour in enumerate(self.tours) for s in tour}
         ruined: set[int] = set()
-        for order in yard.near[int(rng.integers(count))].tolist():
+        for order in data.near[int(rng.integers(count))].tolist():
             trip = trip_of.get(order)
             if trip is None or trip in ruined:
                 continue
-            line = list(dict.fromkeys(yard.order_of[s] for s in self.tours[trip]))
+            line = list(dict.fromkeys(data.order_of[s] for s in self.tours[trip]))
             size = int(rng.uniform(1, min(len(line), longest) + 1))
             at = line.index(order)
             first = int(rng.integers(max(0, at - size + 1), min(at, len(line) - size) + 1))
@@ -182,22 +182,22 @@ class Batches:
 
     def recreate(self) -> set[int]:
         """Put absent orders back, each where it costs least; return the changed trips."""
-        yard, rng = self.yard, self.yard.rng
+        data, rng = self.data, self.data.rng
         kind = rng.choice(4, p=[0.4, 0.35, 0.15, 0.1])
-        weights, far = yard.weights, yard.distances[0]
+        weights, far = data.weights, data.distances[0]
         rng.shuffle(self.absent)
         if kind == 1:
             self.absent.sort(key=lambda o: -weights[o])
         elif kind == 2:
-            self.absent.sort(key=lambda o: -far[yard.order_stops[o]].max())
+            self.absent.sort(key=lambda o: -far[data.order_stops[o]].max())
         elif kind == 3:
-            self.absent.sort(key=lambda o: far[yard.order_stops[o]].max())
+            self.absent.sort(key=lambda o: far[data.order_stops[o]].max())
         changed: set[int] = set()
         left: list[int] = []
         for order in self.absent:
             best, where, tour = np.inf, -1, []
             opened: set[int] = set()
-            for trip, capacity in enumerate(yard.capacities):
+            for trip, capacity in enumerate(data.capacities):
                 if self.loads[trip] + weights[order] > capacity:
                     continue
                 if not self.tours[trip]:
@@ -218,9 +218,9 @@ class Batches:
 
     def _inserted(self, trip: int, order: int) -> tuple[float, list[int]]:
         """Return what it costs to add an order's stops one by one, and the tour then."""
-        d, rng = self.yard.distances, self.yard.rng
+        d, rng = self.data.distances, self.data.rng
         tour, total = self.tours[trip], 0.0
-        for stop in self.yard.order_stops[order]:
+        for stop in self.data.order_stops[order]:
             before = np.array([0, *tour], dtype=np.intp)
             after = np.array([*tour, 0], dtype=np.intp)
             extra = d[before, stop] + d[stop, after] - d[before, after]
@@ -234,4 +234,4 @@ class Batches:
     def polish(self, trips: set[int]) -> None:
         """Shorten the tours of some trips."""
         for trip in trips:
-            self.put(trip, self.yard.improved(self.tours[trip]))
+            self.put(trip, self.data.improved(self.tours[trip]))
