@@ -217,8 +217,8 @@ def _violations(instance: Instance, layout: VariableLayout, judged: _Judged) -> 
         room = int(layout.fleet.capacities[k])
         if load > room:
             text = (
-                f"robot {names[k]} carries {float(load * unit):g}, "
-                f"{float((load - room) * unit):g} more than the {float(room * unit):g} it can"
+                f"robot {names[k]} carries {float(load * unit):.12g}, "
+                f"{float((load - room) * unit):.12g} more than the {float(room * unit):.12g} it can"
             )
             yield Violation("capacity", text, load - room, robot=k)
     for o, count in enumerate(judged.trips[0].tolist()):

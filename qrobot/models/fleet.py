@@ -93,17 +93,18 @@ def limits_of(instance: Instance, fleet: Vehicles) -> TripLimits:
     rooms = fleet.capacities
     total = int(instance.weights.sum())
     unit = float(instance.unit)
-    largest = f"no robot holds more than {float(max(r.capacity for r in instance.robots)):g}"
+    largest = f"no robot holds more than {float(max(r.capacity for r in instance.robots)):.12g}"
     lot = instance.order_weights
     if len(lot) and int(lot.max()) > int(rooms[0]):
         worst = instance.orders[int(lot.argmax())].id
         raise InfeasibleError(
-            f"order {worst} weighs {int(lot.max()) * unit:g}: {largest}; {what_is_enough(instance)}"
+            f"order {worst} weighs {int(lot.max()) * unit:.12g}: {largest}; "
+            f"{what_is_enough(instance)}"
         )
     if total > int(rooms.sum()):
         raise InfeasibleError(
-            f"total load {total * unit:g} exceeds {int(rooms.sum()) * unit:g}, the most that "
-            f"{len(fleet)} trips hold in whole multiples of {unit:g}; "
+            f"total load {total * unit:.12g} exceeds {int(rooms.sum()) * unit:.12g}, the most that "
+            f"{len(fleet)} trips hold in whole multiples of {unit:.12g}; "
             f"{what_is_enough(instance)}"
         )
     by_room = {room: _most_items(instance, room) for room in set(rooms.tolist())}
@@ -121,7 +122,7 @@ def limits_of(instance: Instance, fleet: Vehicles) -> TripLimits:
         k = int(np.argmax(least - most))
         raise InfeasibleError(
             f"at least {int(least[k])} items are left for robot {fleet.names[k]}, whose "
-            f"{int(rooms[k]) * unit:g} holds {int(most[k])}; {what_is_enough(instance)}"
+            f"{int(rooms[k]) * unit:.12g} holds {int(most[k])}; {what_is_enough(instance)}"
         )
     return TripLimits(most, least, lightest, reached[most] > rooms)
 

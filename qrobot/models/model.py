@@ -235,11 +235,11 @@ def _check_digits(instance: Instance, layout: VariableLayout, weights: Penalties
     scale = max(weights.step, weights.visit, float(instance.distances.max(initial=0.0)))
     if weights.capacity * float(room) ** 2 > DIGITS * scale:
         raise InputError(
-            f"capacity {float(room * instance.unit):g} is so much larger than the weights that "
+            f"capacity {float(room * instance.unit):.12g} is so much larger than the weights that "
             f"energies would lose their digits in the {layout.encoding} encoding",
             field="robots[].capacity",
             advice="use the compact encoding, penalties 'measured', or a capacity no larger than "
-            f"the total load {float(int(instance.weights.sum()) * instance.unit):g}",
+            f"the total load {float(int(instance.weights.sum()) * instance.unit):.12g}",
         )
 
 

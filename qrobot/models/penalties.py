@@ -68,7 +68,7 @@ class Penalties:
                 )
             if not (math.isfinite(value) and value >= 0):
                 raise InputError(
-                    f"weight {float(value):g} is negative or not finite",
+                    f"weight {float(value):.12g} is negative or not finite",
                     field=f"penalties.{field.name}",
                     advice="give a weight of zero or more",
                 )

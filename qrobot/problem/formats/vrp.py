@@ -97,7 +97,7 @@ def read_vrp(
     depot = _depot(file, size)
     if demands[depot]:
         raise file.sections["DEMAND"].error(
-            f"the depot has demand {float(demands[depot]):g}", "make it 0", rows[depot], 1
+            f"the depot has demand {float(demands[depot]):.12g}", "make it 0", rows[depot], 1
         )
     own, notes = reference_in_comment(file.text("COMMENT"))
     file.notes.extend(notes)
@@ -201,7 +201,7 @@ def _depot(file: Tsplib, size: int) -> int:
     if len(numbers) > 2:
         raise section.error_at(2, "a number stands behind -1", advice)
     if depots[0] not in range(1, size + 1):
-        raise section.error_at(0, f"{depots[0]:g} is not a node", f"use 1 to {size}")
+        raise section.error_at(0, f"{depots[0]:.12g} is not a node", f"use 1 to {size}")
     return int(depots[0]) - 1
 
 
@@ -244,7 +244,7 @@ def _reference(path: Path, file: Tsplib, own: float | None, whole: bool) -> floa
     least = min(known, default=None)
     if whole and least is not None and not least.is_integer():
         file.notes.append(
-            f"the reference {least:g} is not whole, but distances are rounded to whole numbers "
+            f"the reference {least:.12g} is not whole, but distances are rounded to whole numbers "
             "(rounding none leaves them as they are)"
         )
     return least

@@ -70,10 +70,10 @@ def no_packing(instance: Instance) -> str:
     """Return the sentence that says that every packing was tried."""
     capacities = instance.vehicle_capacities
     unit = float(instance.unit)
-    sizes = sorted({f"{capacity * unit:g}" for capacity in capacities.tolist()})
+    sizes = sorted({f"{capacity * unit:.12g}" for capacity in capacities.tolist()})
     return (
-        f"the {len(instance.orders)} orders (total load {instance.weights.sum() * unit:g}) cannot "
-        f"be packed into {len(capacities)} trips of at most {' / '.join(sizes)} each: "
+        f"the {len(instance.orders)} orders (total load {instance.weights.sum() * unit:.12g}) "
+        f"cannot be packed into {len(capacities)} trips of at most {' / '.join(sizes)} each: "
         f"every split was tried; {what_is_enough(instance)}"
     )
 
