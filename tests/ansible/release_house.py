@@ -16,10 +16,15 @@ from typing import Any
 import pytest
 
 PLUGINS = Path(__file__).resolve().parents[2] / "ansible" / "plugins"
-PROGRAM = (
-    f"import sys; sys.path.insert(0, {str(PLUGINS / 'module_utils')!r}); "
-    "from qrobot_release.program import main; sys.exit(main())"
-)
+STARTER = PLUGINS.parent / "roles/runtime/files/__main__.py"
+
+
+def installed(folder: Path) -> Path:
+    """Lay the program out as the role does; Python runs the folder."""
+    folder.mkdir()
+    (folder / "__main__.py").symlink_to(STARTER)
+    (folder / "qrobot_release").symlink_to(PLUGINS / "module_utils/qrobot_release")
+    return folder
 
 
 def load() -> ModuleType:

@@ -16,7 +16,7 @@ import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from release_house import PLUGINS, PROGRAM, entry, load, lock, uv, wheel
+from release_house import PLUGINS, entry, installed, load, lock, uv, wheel
 
 release = load()
 CASES = [
@@ -347,9 +347,11 @@ def test_an_id_is_no_path(made: Built, name: str) -> None:
         assert raised.value.code == 2
 
 
-def test_the_program(made: Built) -> None:
+def test_the_program(made: Built, tmp_path: Path) -> None:
+    program = installed(tmp_path / "program")
+
     def run(*words: str) -> tuple[int, str]:
-        command = [sys.executable, "-I", "-c", PROGRAM, *words, "--root", made.root]
+        command = [sys.executable, "-IB", program, *words, "--root", made.root]
         done = subprocess.run(command, capture_output=True, text=True)
         assert "Traceback" not in done.stderr
         return done.returncode, done.stdout + done.stderr
@@ -365,6 +367,6 @@ def test_the_program(made: Built) -> None:
     (made.folder / "b" / "lib" / "tool.py").unlink()
     assert run("verify") == (1, "lib/tool.py is missing\n")
     help_text = subprocess.run(
-        [sys.executable, "-c", PROGRAM, "--help"], capture_output=True, text=True, check=True
+        [sys.executable, "-IB", program, "--help"], capture_output=True, text=True, check=True
     ).stdout
     assert "sudo qrobot-release rollback" in help_text
