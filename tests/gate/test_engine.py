@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from qrobot.backends.gate.state import jit
+from qrobot import _jit as jit
 from qrobot.backends.gate.state.engine import Engine, make_engine, thread_count
 from qrobot.errors import InputError, MissingExtraError
 

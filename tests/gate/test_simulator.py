@@ -6,9 +6,9 @@ import dimod
 import numpy as np
 import pytest
 
+from qrobot import _jit as jit
 from qrobot.backends.gate import analytic, resources
 from qrobot.backends.gate.form import Form, diagonal
-from qrobot.backends.gate.state import jit
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
 from qrobot.errors import BackendError, InputError
 

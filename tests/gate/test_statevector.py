@@ -8,8 +8,8 @@ import dimod
 import numpy as np
 import pytest
 
+from qrobot import _jit as jit
 from qrobot.backends.gate import resources
-from qrobot.backends.gate.state import jit
 from qrobot.backends.gate.statevector import StatevectorSampler
 from qrobot.backends.testing import SamplerConformance
 from qrobot.errors import BackendError, InputError

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from qrobot import _jit as jit
 from qrobot._arrays import Floats, Reals
 from qrobot.backends.gate.resources import pair
-from qrobot.backends.gate.state import jit
 
 __all__ = ["CompiledEngine", "Passes", "passes"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from qrobot import _jit as jit
 from qrobot._arrays import Floats, Reals
 from qrobot._extras import missing
 from qrobot._machine import usable_cores
-from qrobot.backends.gate.state import jit
 from qrobot.errors import InputError
 
 __all__ = ["ENGINES", "Engine", "Floats", "Reals", "make_engine", "thread_count"]

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import Any
 
 from qrobot._arrays import Reals
-from qrobot.backends.gate.state.jit import compile_kernel
+from qrobot._jit import compile_kernel
 
 __all__ = ["first_pass", "high_pass", "low_pass"]
 

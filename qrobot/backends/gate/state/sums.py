@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Reals
-from qrobot.backends.gate.state.jit import compile_kernel
+from qrobot._jit import compile_kernel
 
 __all__ = ["high_overlap", "histogram", "low_overlap", "moments"]
 

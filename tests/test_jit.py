@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from qrobot.backends.gate.state import jit
+from qrobot import _jit as jit
 
 
 @pytest.fixture

@@ -1,0 +1,1 @@
+"""Shortest tours and routing policies of aisle warehouses."""
