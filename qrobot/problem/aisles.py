@@ -285,6 +285,10 @@ class AisleWarehouse:
         y = place.block * self.block_length + self.end_gap + place.slot * self.slot_pitch
         return place.aisle * self.aisle_pitch, y
 
+    def offset(self, slot: Slot) -> float:
+        """Return the distance of a slot from the front cross aisle of its block, metres."""
+        return self.end_gap + slot.slot * self.slot_pitch
+
     def check(self, place: Place) -> None:
         """Raise `InputError` when a place is not a slot of this layout."""
         if not isinstance(place, Slot):
@@ -316,7 +320,7 @@ class AisleWarehouse:
         numpy.ndarray
             Shape (n + 1, n + 1), metres; row 0 is the depot. ``inf`` where no way exists.
         """
-        points = [(s.aisle, *self._offset(s)) for s in places if isinstance(s, Slot)]
+        points = [(s.aisle, s.block, self.offset(s)) for s in places if isinstance(s, Slot)]
         return self.graph().distance_matrix(
             points, depot=(self.depot_aisle, self.depot_cross_aisle), lead=self.depot_distance
         )
@@ -330,7 +334,7 @@ class AisleWarehouse:
                 ends.append((self.depot_aisle, self.depot_cross_aisle))
             else:
                 assert isinstance(place, Slot)
-                ends.append((place.aisle, *self._offset(place)))
+                ends.append((place.aisle, place.block, self.offset(place)))
         points = graph.way(ends[0], ends[1])
         if start is None and self.depot_distance:
             points = [self.depot, *points]
@@ -341,7 +345,3 @@ class AisleWarehouse:
     def notes(self, *_of: object) -> tuple[str, ...]:
         """Return what is unusual about the distances: nothing can be."""
         return ()
-
-    def _offset(self, slot: Slot) -> tuple[int, float]:
-        """Return the block of a slot and its distance from the block's front cross aisle."""
-        return slot.block, self.end_gap + slot.slot * self.slot_pitch

@@ -1,1 +1,5 @@
-"""Shortest tours and routing policies of aisle warehouses."""
+"""Shortest tours through aisle warehouses, and routing policies."""
+
+from qrobot.warehouse.routing import Router, Tour
+
+__all__ = ["Router", "Tour"]

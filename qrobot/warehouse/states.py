@@ -51,8 +51,8 @@ class Transitions:
     across
         For each cross aisle the steps by how often the segment to the next aisle is walked.
     visit
-        For each cross aisle the state in which a tour is also at that crossing, where the
-        depot is; -1 after the tour was finished.
+        For each cross aisle the steps to the states in which the tour is also at that crossing,
+        where the depot is.
     """
 
     count: int
@@ -60,7 +60,7 @@ class Transitions:
     done: int
     along: tuple[Steps, ...]
     across: tuple[Steps, ...]
-    visit: npt.NDArray[np.int16]
+    visit: tuple[Steps, ...]
 
 
 @lru_cache(maxsize=MAX_CROSS_AISLES)
@@ -83,17 +83,13 @@ def transitions(cross_aisles: int) -> Transitions:
                     index[after] = len(index)
                     waiting.append(after)
                 found.setdefault((step, where), []).append((index[after], index[state], choice))
-    visit = np.full((cross_aisles, len(index)), -1, dtype=np.int16)
-    for cross in range(cross_aisles):
-        for after, before, _ in found[_visit, cross]:
-            visit[cross, before] = after
     return Transitions(
         count=len(index),
         begin=0,
         done=index[None],
         along=tuple(_table(found[_along, block]) for block in range(cross_aisles - 1)),
         across=tuple(_table(found[_across, cross]) for cross in range(cross_aisles)),
-        visit=visit,
+        visit=tuple(_table(found[_visit, cross]) for cross in range(cross_aisles)),
     )
 
 
