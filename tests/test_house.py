@@ -139,7 +139,7 @@ ONCE = {
     r"\bos\.(replace|rename|fsync)\(": "_files.py",
     r"\.rjust\(": "_text.py",
     r"\bjinja2\b": "kit.py",
-    r"\bcsv\.(DictWriter|writer)\(": "render.py",
+    r"\bcsv\.(DictWriter|writer)\(": "_csv.py",
 }
 """Mechanisms, and the one file of the package that has each."""
 

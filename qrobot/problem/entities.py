@@ -31,22 +31,35 @@ class Item:
         Where it lies.
     pick_seconds
         How long it takes to collect it there.
+    quantity
+        How many pieces it is; weight and time are of all of them together.
+    article
+        What the article is called where several items are of one; empty: as the item.
     """
 
     id: str
     weight: Fraction
     place: Place
     pick_seconds: float = 0.0
+    quantity: int = 1
+    article: str = ""
 
     if TYPE_CHECKING:  # what is taken is wider than what is kept
 
         def __init__(
-            self, id: str, weight: Quantity, place: Place, pick_seconds: float = 0.0
+            self,
+            id: str,
+            weight: Quantity,
+            place: Place,
+            pick_seconds: float = 0.0,
+            quantity: int = 1,
+            article: str = "",
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        """Keep the name's composed form, and a number as the decimal that it is written as."""
+        """Keep the names' composed form, and a number as the decimal that it is written as."""
         object.__setattr__(self, "id", canonical(self.id))
+        object.__setattr__(self, "article", canonical(self.article))
         if not isinstance(self.weight, Fraction):
             object.__setattr__(self, "weight", exact(self.weight, field="weight"))
 

@@ -70,6 +70,18 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
                 field=f"items[{i}].pick_seconds",
                 advice="use seconds from zero",
             )
+        if item.quantity < 1:
+            raise InputError(
+                f"quantity {item.quantity} of item {item.id!r} is below 1",
+                field=f"items[{i}].quantity",
+                advice="use a whole number from 1",
+            )
+        if item.article and (hidden := first_invisible(item.article)) is not None:
+            raise InputError(
+                f"holds the invisible character {hidden}",
+                field=f"items[{i}].article",
+                advice="remove it",
+            )
         try:
             warehouse.check(item.place)
         except InputError as error:

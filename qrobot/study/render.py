@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import os
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from qrobot._csv import csv_text
 from qrobot._files import write_text_atomic
 from qrobot._numbers import number
 from qrobot.report.picture import save, style
@@ -21,11 +20,7 @@ def write_csv(
     rows: Sequence[dict[str, Any]], columns: Sequence[str], path: str | os.PathLike[str]
 ) -> None:
     """Write some columns of rows as CSV."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_text_atomic(path, text.getvalue())
+    write_text_atomic(path, csv_text(rows, columns))
 
 
 def markdown_table(

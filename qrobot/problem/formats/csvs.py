@@ -55,7 +55,8 @@ def read_csv(
         pieces = line.whole("quantity", least=1) if line.has("quantity") else 1
         seconds = line.number_of("pick_seconds") if line.has("pick_seconds") else Fraction(0)
         weight, seconds = _weight(line) * pieces, seconds * pieces
-        items.append(Item(id_, weight, _place(line), float(seconds)))
+        article = line.text("item") if line.text("item") != id_ else ""
+        items.append(Item(id_, weight, _place(line), float(seconds), pieces, article))
         orders.setdefault(line.text("order"), []).append(id_)
 
     def make() -> Instance:

@@ -112,7 +112,10 @@ def _instance(document: Document) -> Instance:
             advice="add the items, or give the orders as CSV with this layout",
         )
     layout = _layout(document)
-    items = tuple(Item(i.id, i.weight, _place(i.at), i.pick_seconds) for i in document.items)
+    items = tuple(
+        Item(i.id, i.weight, _place(i.at), i.pick_seconds, i.quantity, i.article)
+        for i in document.items
+    )
     if "orders" in document.model_fields_set:
         orders = tuple(Order(o.id, tuple(o.items)) for o in document.orders)
     else:
@@ -278,6 +281,8 @@ def to_text(instance: Instance) -> str:
             "weight": _decimal(item.weight, i),
             "at": _place_data(item.place),
             **({"pick_seconds": item.pick_seconds} if item.pick_seconds else {}),
+            **({"quantity": item.quantity} if item.quantity > 1 else {}),
+            **({"article": item.article} if item.article else {}),
         }
         for i, item in enumerate(instance.items)
     ]

@@ -208,6 +208,8 @@ class ItemModel(_Strict):
     weight: Weight
     at: PlaceModel
     pick_seconds: Length = 0.0
+    quantity: Count = 1
+    article: Name = ""
 
 
 class Document(_Strict):
