@@ -1,17 +1,153 @@
-"""The sweep over the columns for numba. Importing this module imports numba.
+"""Lengths of tours for numba: of one batch after the other, from bit masks of its places.
 
-Functions that call each other are in one file: numba's cache looks at its date only.
+Importing this module imports numba. Functions that call each other are in one file: numba's
+cache looks at its date only.
+
+A batch is a row of words: for each sub-aisle a bit for each place that some order needs there.
+The words of a batch are those of its orders, joined by "or".
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
+import numpy.typing as npt
 
 from qrobot._arrays import Floats
 from qrobot._jit import compile_kernel
-from qrobot.warehouse.sweep import Numbers
+from qrobot.problem import AisleWarehouse, Slot
+from qrobot.warehouse.grid import grid_of, positions_of
+from qrobot.warehouse.sweep import Numbers, flatten
 
-__all__ = ["sweep_length"]
+__all__ = ["Layout", "Words", "masks_of", "tour_length"]
+
+Words = npt.NDArray[np.uint64]
+"""Shape (sub-aisles, words of a sub-aisle)."""
+
+ONE = np.uint64(1)
+SHIFT = np.uint64(58)
+DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
+PLACE = np.zeros(64, dtype=np.int64)
+"""Which bit is set, by the top six bits of the bit times `DE_BRUIJN`."""
+for _bit in range(64):
+    PLACE[(((1 << _bit) * int(DE_BRUIJN)) & (2**64 - 1)) >> 58] = _bit
+
+
+class Layout(NamedTuple):
+    """A grid, and the places that orders need, as kernels take them.
+
+    Parameters
+    ----------
+    along
+        Shape (columns, blocks).
+    across
+        Shape (columns, cross aisles), the last row ``inf``.
+    depot
+        Column and cross aisle.
+    lead
+        Metres from the depot to its crossing and back.
+    is_open
+        Whether nothing is closed.
+    offsets
+        Shape (sub-aisles, bits): metres of each place from the front of its block.
+    ends, steps, starts
+        The states of the sweep: begin and done, and as in `sweep.Flat`.
+    states
+        Number of states.
+    """
+
+    along: Floats
+    across: Floats
+    depot: tuple[int, int]
+    lead: float
+    is_open: bool
+    offsets: Floats
+    ends: tuple[int, int]
+    steps: Numbers
+    starts: Numbers
+    states: int
+
+
+def _extent(words: Words, part: int, offsets: Floats) -> tuple[float, float, float]:
+    """Return first place, last place and widest gap between places of a sub-aisle, metres."""
+    first, last, gap = -1.0, -1.0, 0.0
+    for w in range(words.shape[1]):
+        left = words[part, w]
+        while left:
+            bit = left & (~left + ONE)
+            left ^= bit
+            at = offsets[part, 64 * w + PLACE[(bit * DE_BRUIJN) >> SHIFT]]
+            if first < 0.0:
+                first = at
+            elif at - last > gap:
+                gap = at - last
+            last = at
+    return first, last, gap
+
+
+_extent = compile_kernel(_extent)
+
+
+def _one_block(words: Words, layout: Layout) -> float:
+    """Return the length of a shortest tour through one block (Ratliff and Rosenthal 1983).
+
+    States: the crossing in front has an even number of walks (``front``), that at the back
+    (``back``), both and they are connected (``one``) or not (``two``), both an odd number
+    (``odd``); nothing was reached (``begin``) or the tour is finished (``done``).
+    """
+    columns = layout.along.shape[0]
+    begin, done = 0.0, np.inf
+    odd = front = back = one = two = np.inf
+    first, last = 0, columns - 1
+    if layout.is_open:
+        first = last = layout.depot[0]
+        for column in range(columns):
+            for w in range(words.shape[1]):
+                if words[column, w]:
+                    first = min(first, column)
+                    last = max(last, column)
+    for column in range(first, last + 1):
+        if column == layout.depot[0]:
+            if layout.depot[1] == 0:
+                two, back = min(two, back), np.inf
+                front = min(front, begin)
+            else:
+                two, front = min(two, front), np.inf
+                back = min(back, begin)
+            begin = done = np.inf
+        length = layout.along[column, 0]
+        near, far, gap = _extent(words, column, layout.offsets)
+        either = min(front, back, one, two, begin) + length
+        twice = min(front, back, two, begin) + 2.0 * length
+        if near < 0.0:
+            # Nothing is picked here: the sub-aisle is passed, or left alone.
+            odd, one = min(odd, either), min(one, odd + length, twice)
+        else:
+            here, there = 2.0 * far, 2.0 * (length - near)
+            both = 2.0 * (length - gap) if gap > 0.0 else np.inf
+            if length == np.inf:
+                here = there = both = np.inf
+            least = min(both, here, there)
+            apart = min(two + least, front + min(there, both), back + min(here, both))
+            two = min(apart, begin + both)
+            one = min(one + least, odd + length, twice)
+            odd = min(odd + least, either)
+            front = min(front, begin) + here
+            back = min(back, begin) + there
+            begin = done = np.inf
+        done = min(done, one, front, back)
+        if column < last:
+            ahead, behind = 2.0 * layout.across[column, 0], 2.0 * layout.across[column, 1]
+            odd += 0.5 * (ahead + behind)
+            front, back = min(front, one) + ahead, min(back, one) + behind
+            one += ahead + behind
+            two += ahead + behind
+    return done
+
+
+_one_block = compile_kernel(_one_block)
 
 
 def _relax(now: Floats, then: Floats, steps: Numbers, first: int, end: int, prices: Floats) -> None:
@@ -26,55 +162,129 @@ def _relax(now: Floats, then: Floats, steps: Numbers, first: int, end: int, pric
 _relax = compile_kernel(_relax)
 
 
-def _sweep_length(
-    costs: Floats,
-    across: Floats,
-    depot: tuple[int, int],
-    columns: tuple[int, int],
-    ends: tuple[int, int],
-    steps: Numbers,
-    starts: Numbers,
-    now: Floats,
-    then: Floats,
-) -> float:
-    """Return the length of a shortest tour.
+def _prices(words: Words, column: int, block: int, layout: Layout, prices: Floats) -> None:
+    """Set what each choice for a sub-aisle costs, by `states.VERTICAL`."""
+    length = layout.along[column, block]
+    part = column * layout.along.shape[1] + block
+    near, far, gap = _extent(words, part, layout.offsets)
+    prices[:] = np.inf
+    prices[1], prices[5] = length, 2.0 * length
+    if near < 0.0:
+        prices[0] = 0.0
+    elif length < np.inf:
+        prices[2], prices[3] = 2.0 * far, 2.0 * (length - near)
+        if gap > 0.0:
+            prices[4] = 2.0 * (length - gap)
+
+
+_prices = compile_kernel(_prices)
+
+
+def _blocks(words: Words, layout: Layout) -> float:
+    """Return the length of a shortest tour through any number of blocks, by the sweep."""
+    columns, blocks = layout.along.shape
+    now, then = np.empty(layout.states), np.empty(layout.states)
+    prices, walks = np.empty(6), np.zeros(3)
+    first, last = 0, columns - 1
+    if layout.is_open:
+        first = last = layout.depot[0]
+        for part in range(columns * blocks):
+            for w in range(words.shape[1]):
+                if words[part, w]:
+                    first = min(first, part // blocks)
+                    last = max(last, part // blocks)
+    now[:] = np.inf
+    now[layout.ends[0]] = 0.0
+    starts = layout.starts
+    for column in range(first, last + 1):
+        if column == layout.depot[0]:
+            group = 2 * blocks + 1 + layout.depot[1]
+            _relax(now, then, layout.steps, starts[group], starts[group + 1], walks)
+            now, then = then, now
+        for block in range(blocks):
+            _prices(words, column, block, layout, prices)
+            _relax(now, then, layout.steps, starts[block], starts[block + 1], prices)
+            now, then = then, now
+        for group in range(blocks, 2 * blocks + 1):
+            length = layout.across[column, group - blocks] if column < last else np.inf
+            walks[1], walks[2] = length, 2.0 * length
+            _relax(now, then, layout.steps, starts[group], starts[group + 1], walks)
+            now, then = then, now
+    return float(now[layout.ends[1]])
+
+
+_blocks = compile_kernel(_blocks)
+
+
+def _tour_length(words: Words, layout: Layout) -> float:
+    """Return the length of a shortest tour from the depot past all places of a batch.
 
     Parameters
     ----------
-    costs
-        Shape (columns, blocks, 6).
-    across
-        Shape (columns - 1, cross aisles).
-    depot
-        Column and cross aisle.
-    columns
-        First and last column that the tour may use.
-    ends
-        First and last state.
-    steps, starts
-        As in `sweep.Flat`.
-    now, then
-        Room for the costs of all states.
+    words
+        Shape (sub-aisles, words): the places.
+    layout
+        The grid.
+
+    Returns
+    -------
+    float
+        Metres; ``inf`` where a place cannot be reached. A batch without places takes the way
+        to the depot's crossing and back.
     """
-    blocks = costs.shape[1]
-    now[:] = np.inf
-    now[ends[0]] = 0.0
-    prices = np.zeros(3)
-    for column in range(columns[0], columns[1] + 1):
-        if column == depot[0]:
-            group = 2 * blocks + 1 + depot[1]
-            prices[0] = 0.0
-            _relax(now, then, steps, starts[group], starts[group + 1], prices)
-            now, then = then, now
-        for group in range(blocks):
-            _relax(now, then, steps, starts[group], starts[group + 1], costs[column, group])
-            now, then = then, now
-        for cross in range(blocks + 1):
-            length = across[column, cross] if column < columns[1] else np.inf
-            prices[1], prices[2] = length, 2 * length
-            _relax(now, then, steps, starts[blocks + cross], starts[blocks + cross + 1], prices)
-            now, then = then, now
-    return float(now[ends[1]])
+    length = _one_block(words, layout) if layout.along.shape[1] == 1 else _blocks(words, layout)
+    return length + layout.lead
 
 
-sweep_length = compile_kernel(_sweep_length)
+tour_length = compile_kernel(_tour_length)
+
+
+def masks_of(
+    warehouse: AisleWarehouse, picks: Sequence[Sequence[Slot]]
+) -> tuple[Layout, npt.NDArray[np.uint64]]:
+    """Return a layout, and the words of several lists of picks.
+
+    Parameters
+    ----------
+    warehouse
+        At most six cross aisles.
+    picks
+        The slots of each order.
+
+    Returns
+    -------
+    tuple
+        The layout, whose bits stand for the slots that any order needs, and an array of shape
+        (orders, sub-aisles, words).
+    """
+    grid = grid_of(warehouse)
+    flat = flatten(grid.cross_aisles)
+    owner = np.repeat(np.arange(len(picks)), [len(slots) for slots in picks])
+    parts, offsets = positions_of(warehouse, [slot for slots in picks for slot in slots])
+    places = sorted({*zip(parts.tolist(), offsets.tolist(), strict=True)})
+    bit, seen = {}, dict.fromkeys(range(grid.along.size), 0)
+    for part, offset in places:
+        bit[part, offset] = seen[part]
+        seen[part] += 1
+    words = max(1, -(-max(seen.values()) // 64))
+    table = np.zeros((grid.along.size, 64 * words))
+    for (part, offset), at in bit.items():
+        table[part, at] = offset
+    masks = np.zeros((len(picks), grid.along.size, words), dtype=np.uint64)
+    for order, part, offset in zip(owner.tolist(), parts.tolist(), offsets.tolist(), strict=True):
+        at = bit[part, offset]
+        masks[order, part, at // 64] |= np.uint64(1 << at % 64)
+    across = np.full((len(grid.along), grid.cross_aisles), np.inf)
+    across[:-1] = grid.across
+    return Layout(
+        along=grid.along,
+        across=across,
+        depot=grid.depot,
+        lead=2.0 * grid.lead,
+        is_open=grid.is_open,
+        offsets=table,
+        ends=(flat.begin, flat.done),
+        steps=flat.steps,
+        starts=flat.starts,
+        states=flat.count,
+    ), masks

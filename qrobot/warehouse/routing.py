@@ -19,7 +19,7 @@ from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Slot
 from qrobot.warehouse.grid import Grid, grid_of, part_costs, positions_of
 from qrobot.warehouse.states import MAX_CROSS_AISLES, VERTICAL
-from qrobot.warehouse.sweep import flatten, sweep
+from qrobot.warehouse.sweep import sweep
 
 __all__ = ["Router", "Tour"]
 
@@ -78,26 +78,16 @@ class Router:
         """Return the length of a shortest tour from the depot past all slots, metres."""
         if not slots:
             return 0.0
+        if self._compiled:
+            from qrobot.warehouse.kernels import masks_of, tour_length  # takes a second to load
+
+            layout, masks = masks_of(self.warehouse, [slots])
+            return float(tour_length(masks[0], layout))
         parts, offsets = positions_of(self.warehouse, slots)
         costs = part_costs(self.grid, parts, offsets)
         columns = self._columns(parts.min(), parts.max())
-        if not self._compiled:
-            length, _ = sweep(costs, self.grid.across, self.grid.depot, columns)
-        else:
-            from qrobot.warehouse.kernels import sweep_length  # takes a second to load
-
-            flat = flatten(self.grid.cross_aisles)
-            length = sweep_length(
-                costs,
-                self.grid.across,
-                self.grid.depot,
-                columns,
-                (flat.begin, flat.done),
-                flat.steps,
-                flat.starts,
-                *np.empty((2, flat.count)),
-            )
-        return float(length) + 2 * self.grid.lead
+        length, _ = sweep(costs, self.grid.across, self.grid.depot, columns)
+        return length + 2 * self.grid.lead
 
     def tour(self, slots: Sequence[Slot]) -> Tour:
         """Return a shortest tour from the depot past all slots and back."""
