@@ -57,6 +57,7 @@ def aisle_warehouses(draw: st.DrawFn, *, closed: bool = False) -> AisleWarehouse
         aisle_pitch=draw(lengths),
         slot_pitch=draw(lengths),
         end_gap=draw(lengths),
+        back_gap=draw(st.none() | lengths),
         depot_aisle=draw(st.integers(0, aisles - 1)),
         depot_cross_aisle=draw(st.integers(0, blocks)),
         depot_distance=draw(st.sampled_from([0.0, 0.5, 3.0])),

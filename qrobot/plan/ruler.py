@@ -83,7 +83,8 @@ class _Walk:
 
     def __init__(self, w: AisleWarehouse) -> None:
         self._w = w
-        self._length = w.end_gap * 2 + w.slot_pitch * (w.slots - 1)
+        back = w.end_gap if w.back_gap is None else w.back_gap
+        self._length = w.end_gap + w.slot_pitch * (w.slots - 1) + back
         self._steps: defaultdict[_Crossing, list[tuple[_Crossing, float]]] = defaultdict(list)
         for aisle in range(w.aisles):
             for block in range(w.blocks):

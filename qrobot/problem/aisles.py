@@ -199,6 +199,8 @@ class AisleWarehouse:
         Distance between the middles of two neighbouring slots, metres.
     end_gap
         Distance from the middle of a cross aisle to the middle of the nearest slot, metres.
+    back_gap
+        That distance at the back end of every sub-aisle, where it is not `end_gap`.
     depot_aisle, depot_cross_aisle
         The crossing that the depot stands at.
     depot_distance
@@ -221,6 +223,7 @@ class AisleWarehouse:
     depot_distance: float = 0.0
     closed_aisles: frozenset[tuple[int, int]] = field(default_factory=frozenset)
     closed_crossings: frozenset[tuple[int, int]] = field(default_factory=frozenset)
+    back_gap: float | None = None
     kind: Literal["aisles"] = "aisles"
 
     is_metric: ClassVar = True
@@ -243,6 +246,7 @@ class AisleWarehouse:
         check_length(self.aisle_pitch, "aisle_pitch", least=MIN_PITCH, most=MAX_PITCH)
         check_length(self.slot_pitch, "slot_pitch", least=MIN_PITCH, most=MAX_PITCH)
         check_length(self.end_gap, "end_gap", most=MAX_PITCH)
+        check_length(self.gaps[1], "back_gap", most=MAX_PITCH)
         if self.block_length < MIN_PITCH:
             raise InputError("0 leaves no aisle", field="end_gap", advice="use metres above 0")
         check_length(self.depot_distance, "depot.distance", most=MAX_PITCH)
@@ -256,9 +260,14 @@ class AisleWarehouse:
             check_index(aisle, "closed_crossings[].aisle", count=self.aisles - 1)
 
     @property
+    def gaps(self) -> tuple[float, float]:
+        """The gaps at the front and at the back end of every sub-aisle, metres."""
+        return self.end_gap, self.end_gap if self.back_gap is None else self.back_gap
+
+    @property
     def block_length(self) -> float:
         """Length of one sub-aisle between two cross aisles, metres."""
-        return 2 * self.end_gap + (self.slots - 1) * self.slot_pitch
+        return sum(self.gaps) + (self.slots - 1) * self.slot_pitch
 
     @property
     def depot(self) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from qrobot.errors import InputError
 from qrobot.plan.objective import DISTANCE
 from qrobot.problem.checks import is_reference
 from qrobot.problem.formats.jsontext import loads
-from qrobot.problem.formats.registry import format_of, suffixes
+from qrobot.problem.formats.registry import format_of, formats_of, suffixes
 from qrobot.study.runner import Part, measured_here, run_parts
 
 __all__ = ["BENCH_SCHEMA", "BenchRow", "Task", "find_instances", "run_bench", "tasks"]
@@ -109,7 +109,7 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
         and path.name not in {"index.json", "layout.json"}
         and not path.name.endswith((".layout.json", ".schema.json"))
         and fnmatch.fnmatch(path.name, match if any(c in match for c in "*?[") else f"{match}*")
-        and not _is_answer(path)
+        and _is_instance(path)
     )
     if not found:
         raise InputError(
@@ -120,16 +120,16 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
     return found
 
 
-def _is_answer(path: Path) -> bool:
-    """Return whether a file is a plan or a report that we wrote, not an instance."""
-    if path.suffix != ".json":
-        return False
+def _is_instance(path: Path) -> bool:
+    """Return whether a file is not a text of another kind, nor a plan or report that we wrote."""
     try:
+        if path.suffix != ".json":
+            return format_of(path) is not None
         with path.open("rb") as file:
             start = file.read(200)
-    except OSError:
-        return False  # reading the instance will tell why
-    return b'"qrobot.plan/' in start or b'"qrobot.bench/' in start
+    except (OSError, InputError):
+        return True  # reading the instance will tell why
+    return not (b'"qrobot.plan/' in start or b'"qrobot.bench/' in start)
 
 
 @lru_cache(maxsize=64)
@@ -191,8 +191,8 @@ def tasks(
     for path in paths:
         own = next((n for pattern, n in rules if fnmatch.fnmatch(path.name, pattern)), robots)
         known = references(path.parent).get(path.name) if objective == DISTANCE.name else None
-        known_format = format_of(path.suffix.lower())
-        rule = rounding if known_format and "rounding" in known_format.options else None
+        rounds = any("rounding" in known.options for known in formats_of(path.suffix.lower()))
+        rule = rounding if rounds else None
         found += [
             Task(os.fspath(path), backend, seed, deadline, max_work, own, known, rule, objective)
             for backend in backends

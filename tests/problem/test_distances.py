@@ -36,7 +36,8 @@ def fine_graph(w: AisleWarehouse) -> nx.Graph:
         for b in range(w.blocks):
             chain = [("x", a, b), *((a, b, s) for s in range(w.slots)), ("x", a, b + 1)]
             graph.add_nodes_from(chain)
-            steps = [w.end_gap, *[w.slot_pitch] * (w.slots - 1), w.end_gap]
+            back = w.end_gap if w.back_gap is None else w.back_gap
+            steps = [w.end_gap, *[w.slot_pitch] * (w.slots - 1), back]
             if (a, b) not in w.closed_aisles:
                 for (one, other), step in zip(itertools.pairwise(chain), steps, strict=True):
                     graph.add_edge(one, other, weight=step)

@@ -14,6 +14,7 @@ from qrobot.problem.formats.registry import (
     Format,
     ReadOptions,
     format_of,
+    formats_of,
     register,
     suffixes,
 )
@@ -98,8 +99,7 @@ def _read_file(path: StrPath, options: ReadOptions, robots: int | str | None) ->
     size = options.capacity
     if size is not None and size <= 0:
         raise InputError(f"{size} is not positive", field="capacity", advice="give more than 0")
-    suffix = Path(path).suffix.lower()
-    format_ = format_of(suffix)
+    format_ = format_of(Path(path))
     for name, (field, problem, advice) in _FOREIGN.items():
         if getattr(options, name) and name not in (format_.options if format_ else ()):
             raise InputError(problem, field=field, advice=advice)
@@ -124,6 +124,9 @@ def _unknown(path: StrPath) -> InputError:
             return InputError("does not exist", advice="check the path")
     except (OSError, ValueError) as error:
         return InputError(f"cannot be read ({error})", advice="check the path")
+    if found := formats_of(target.suffix.lower()):
+        names = " or ".join(format_.name for format_ in found)
+        return InputError(f"is not a {names} file", advice="check the path, or correct its header")
     shown = target.suffix or "no extension"
     *others, last = suffixes()
     return InputError(
@@ -159,9 +162,10 @@ def write(instance: Instance | StrPath, path: StrPath) -> None:
     InputError
         When the file cannot be written, or a weight has no finite decimal.
     """
-    format_ = format_of(Path(path_text(path)).suffix.lower())
-    if format_ is not None and format_.write is not None:
-        to_text = format_.write
-    else:
+    named = formats_of(Path(path_text(path)).suffix.lower())
+    writers = [format_.write for format_ in named if format_.write is not None]
+    if not writers:
         from qrobot.problem.formats.native import to_text
-    write_text_atomic(path, to_text(instance_of(instance)))
+
+        writers = [to_text]
+    write_text_atomic(path, writers[0](instance_of(instance)))

@@ -237,6 +237,7 @@ def _warehouse(document: Document) -> Warehouse:
             aisle_pitch=model.aisle_pitch,
             slot_pitch=model.slot_pitch,
             end_gap=model.end_gap,
+            back_gap=model.back_gap,
             depot_aisle=model.depot.aisle,
             depot_cross_aisle=model.depot.cross_aisle,
             depot_distance=model.depot.distance,
@@ -335,6 +336,7 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
             "aisle_pitch": w.aisle_pitch,
             "slot_pitch": w.slot_pitch,
             "end_gap": w.end_gap,
+            **({} if w.back_gap is None else {"back_gap": w.back_gap}),
             "depot": {
                 "aisle": w.depot_aisle,
                 "cross_aisle": w.depot_cross_aisle,

@@ -1,4 +1,4 @@
-"""Which file formats exist, and what each of them can.
+"""Which file formats exist, what each of them can, and which one a file has.
 
 A format of ours is one file that ends in ``FORMAT = Format(...)``, and one line in `BUILTIN`.
 Third parties add theirs by an entry point in the group ``qrobot.formats`` whose value is a
@@ -7,6 +7,7 @@ Third parties add theirs by an entry point in the group ``qrobot.formats`` whose
 
 from __future__ import annotations
 
+import codecs
 import importlib
 import importlib.metadata
 from collections.abc import Callable, Sequence
@@ -18,16 +19,29 @@ from qrobot._files import StrPath
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
 
-__all__ = ["BUILTIN", "GROUP", "Format", "ReadOptions", "format_of", "register", "suffixes"]
+__all__ = [
+    "BUILTIN",
+    "GROUP",
+    "Format",
+    "ReadOptions",
+    "format_of",
+    "formats_of",
+    "register",
+    "suffixes",
+]
 
 GROUP = "qrobot.formats"
 
 BUILTIN = {
-    ".json": "qrobot.problem.formats.native",
-    ".csv": "qrobot.problem.formats.csvs",
-    ".vrp": "qrobot.problem.formats.vrp",
+    ".json": ("qrobot.problem.formats.native",),
+    ".csv": ("qrobot.problem.formats.csvs",),
+    ".vrp": ("qrobot.problem.formats.vrp",),
+    ".txt": ("qrobot.problem.formats.picking_hi",),
 }
 """The modules of our formats, by suffix: a file is imported when a file of its kind is met."""
+
+_BEGINNING = 4_096
+"""Bytes of a file that tell its format."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +73,9 @@ class Format:
     options
         Those of `qrobot.read` that mean something for it, of ``layout``, ``ignore_columns`` and
         ``rounding``; the others are refused.
+    recognise
+        Tells from the first lines of a file whether it has this format. Formats that have it
+        may share a suffix; ``None``: the suffix alone tells.
     """
 
     name: str
@@ -66,6 +83,7 @@ class Format:
     read: Callable[[Path, ReadOptions], Instance]
     write: Callable[[Instance], str] | None = None
     options: frozenset[str] = frozenset()
+    recognise: Callable[[str], bool] | None = None
 
 
 _registered: dict[str, Format] = {}
@@ -100,12 +118,45 @@ def suffixes() -> list[str]:
     return list(dict.fromkeys([*BUILTIN, *_registered, *sorted(_plugins())]))
 
 
-def format_of(suffix: str) -> Format | None:
-    """Return the format of files with a suffix (lower case), or ``None``."""
+def formats_of(suffix: str) -> list[Format]:
+    """Return the formats that files with a suffix (lower case) may have."""
     if suffix in BUILTIN:
-        found: Format = importlib.import_module(BUILTIN[suffix]).FORMAT
-        return found
+        return [importlib.import_module(name).FORMAT for name in BUILTIN[suffix]]
     if suffix in _registered:
-        return _registered[suffix]
+        return [_registered[suffix]]
     plugin = _plugins().get(suffix)
-    return None if plugin is None else plugin.load()
+    return [] if plugin is None else [plugin.load()]
+
+
+def format_of(path: Path) -> Format | None:
+    """Return the format of a file, by its suffix and its first lines; ``None`` for no known one.
+
+    Raises
+    ------
+    InputError
+        When the first lines are those of a format with another suffix.
+    """
+    suffix, start = path.suffix.lower(), _beginning(path)
+    named = formats_of(suffix)
+    for format_ in named:
+        if format_.recognise is not None and format_.recognise(start):
+            return format_
+    for other in [s for s in (*BUILTIN, *_registered) if s != suffix and start]:
+        for format_ in formats_of(other):
+            if format_.recognise is not None and format_.recognise(start):
+                raise InputError(
+                    f"holds the format {format_.name}, which {suffix or 'no suffix'} does not say",
+                    advice=f"name it {path.stem}{other}",
+                )
+    return next((format_ for format_ in named if format_.recognise is None), None)
+
+
+def _beginning(path: Path) -> str:
+    """Return the first lines of a file, empty where there are none to be read."""
+    try:
+        if not path.is_file():  # opening a pipe would wait
+            return ""
+        with path.open("rb") as file:
+            return file.read(_BEGINNING).removeprefix(codecs.BOM_UTF8).decode("latin-1")
+    except (OSError, ValueError):
+        return ""  # reading it will tell why

@@ -111,6 +111,7 @@ class AislesModel(_Strict):
     aisle_pitch: Positive = 3.0
     slot_pitch: Positive = 1.0
     end_gap: Length = 1.0
+    back_gap: Length | None = None
     depot: DepotModel = DepotModel()
     closed_aisles: list[SubAisleModel] = []
     closed_crossings: list[CrossingModel] = []
