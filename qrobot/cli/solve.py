@@ -112,7 +112,8 @@ def command(
 ) -> None:
     """Plan which robot collects which orders, in which sequence, by which way.
 
-    INSTANCE is a .json instance, a .csv of orders with a layout, or a CVRPLIB .vrp file;
+    INSTANCE is a .json instance, a .csv of orders with a layout, a CVRPLIB .vrp file or a
+    .txt file of order batching;
     "example" is the small warehouse that comes with qRobot (example:NAME for the others).
     Every plan is verified by an independent checker. Ctrl-C keeps the best plan so far.
 

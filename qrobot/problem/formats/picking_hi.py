@@ -114,7 +114,13 @@ def read_hi(path: Path, capacity: Fraction | None = None) -> Instance:
     _read_places(file, lines, warehouse)
     _read_orders(file, lines, alone=kind != _BATCHING)
     items = tuple(
-        Item(f"{o}/{article}", pieces * file.weights[article], file.places[article])
+        Item(
+            f"{o}/{article}",
+            pieces * file.weights[article],
+            file.places[article],
+            quantity=pieces,
+            article=str(article),
+        )
         for o, order in enumerate(file.orders, 1)
         for article, pieces in order.items()
     )
@@ -196,7 +202,9 @@ def _values(line: Line, *names: str) -> list[str]:
     pairs = dict(zip(line.words[::2], line.words[1::2], strict=False))
     if len(line.words) % 2 or set(pairs) != set(names) or len(line.words) != 2 * len(names):
         form = " ".join(f"{name} .." for name in names)
-        raise line.error(f"{line.text!r:.60} is not an entry of this section", f"write it as {form}")
+        raise line.error(
+            f"{line.text!r:.60} is not an entry of this section", f"write it as {form}"
+        )
     return [pairs[name] for name in names]
 
 
