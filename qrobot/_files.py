@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import secrets
 import stat
 from collections.abc import Sequence
 from pathlib import Path
@@ -190,7 +189,7 @@ def replace_file(path: Path, data: bytes) -> None:
         if not os.access(path, os.W_OK):  # a rename would not mind, its owner would
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     target = path.resolve()
-    aside = target.parent / f".qrobot-{secrets.token_hex(6)}.tmp"
+    aside = target.parent / f".qrobot-{os.urandom(6).hex()}.tmp"
     # 0o666 is what the umask is made for: unlike tempfile, this gives the usual mode.
     descriptor = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
-import logging
 import sys
-import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -49,6 +47,11 @@ class LazyGroup(click.Group):
         command: click.Command = importlib.import_module(f"qrobot.cli.{cmd_name}").command
         return command
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; ``ctx.obj`` says whether the user wants to see what libraries say."""
+        with quiet_libraries(ctx.obj):
+            return super().invoke(ctx)
+
     def format_commands(self, _ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
         with formatter.section("Commands"):
@@ -83,8 +86,7 @@ def main(arguments: list[str] | None = None) -> None:
     debug = "--debug" in words  # wherever it stands
     words = [word for word in words if word != "--debug"]
     try:
-        with quiet_libraries(debug):
-            code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False)
+        code: Any = cli.main(args=words, prog_name="qrobot", standalone_mode=False, obj=debug)
     except click.exceptions.Exit as done:
         code = done.exit_code
     except SystemExit as done:  # a command that tells its own code
@@ -120,6 +122,8 @@ def quiet_libraries(debug: bool) -> Iterator[None]:
     if debug or sys.warnoptions:
         yield
         return
+    import logging  # not at the top: `--help` must be fast
+
     handler = logging.lastResort
     with warnings.catch_warnings():
         warnings.showwarning = lambda *_, **__: None
@@ -132,6 +136,8 @@ def quiet_libraries(debug: bool) -> Iterator[None]:
 
 def _tell(text: str, error: BaseException, code: int, debug: bool) -> int:
     if debug:
+        import traceback
+
         from qrobot.jobs.redaction import redact
 
         # The chain of an error may quote a service, and a service may quote a token.

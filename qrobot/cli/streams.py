@@ -14,9 +14,6 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-from qrobot._files import refusal
-from qrobot._json import json_text
-
 __all__ = ["prepare", "say", "say_json"]
 
 GONE = frozenset({errno.EPIPE, errno.ECONNRESET, errno.ESHUTDOWN})
@@ -62,6 +59,8 @@ def say(text: str, *, err: bool = False, end: str = "\n") -> None:
 
 def say_json(data: Any) -> None:
     """Print plain data as JSON, with escapes where the encoding of the output lacks characters."""
+    from qrobot._json import json_text
+
     text = json_text(data, indent=1, ensure_ascii=False)
     try:
         text.encode(sys.stdout.encoding or "ascii")
@@ -91,6 +90,8 @@ class _Descriptor(io.FileIO):
             except OSError as error:
                 self._dead = True
                 if not (self._told or self._gone(error)):
+                    from qrobot._files import refusal
+
                     self._told = True
                     raise refusal("write", self._title, error) from None
         return memoryview(data).nbytes
