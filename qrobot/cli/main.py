@@ -21,6 +21,7 @@ __all__ = ["COMMANDS", "cli", "main"]
 COMMANDS = {
     "solve": "Plan which robot collects which orders, in which sequence, by which way.",
     "check": "Check a plan against its instance, without trusting any solver.",
+    "picklist": "Print what each robot takes at each stop, and the basket that it goes into.",
     "backends": "List the backends: what they can do and how to install them.",
     "bench": "Compare backends on a folder of instances.",
     "export": "Write the model of an instance as a file for other programs.",
@@ -72,6 +73,7 @@ def cli(debug: bool) -> None:
       qrobot solve examples/small-warehouse.json --picture plan.svg
       qrobot solve orders.csv --layout layout.json --deadline 5 --output plan.json
       qrobot check plan.json examples/small-warehouse.json
+      qrobot picklist plan.json examples/small-warehouse.json -o picks.html --paper a5
       qrobot bench instances/ --backends auto,pyvrp --deadline 10 --seeds 3
 
     Exit codes: 0 done, 1 infeasible or unhealthy, 2 bad input, 3 a backend failed.

@@ -19,6 +19,7 @@ __all__ = [
     "Setting",
     "ignore_columns",
     "objective",
+    "question",
     "rounding",
     "seconds",
     "settings_of",
@@ -51,6 +52,22 @@ ignore_columns = click.option(
     callback=_names,
     help="Columns of CSV orders to ignore, separated by commas.",
 )
+
+
+def question(function: Function) -> Function:
+    """Add what a question was read with when a plan was made of it, as `read` takes it."""
+    for option in (
+        click.option("--split-orders", is_flag=True, help="The orders were allowed to be split."),
+        click.option("--capacity", help="The capacity that the plan was made with."),
+        click.option(
+            "--robots", type=Robots(), help="The number of robots that the plan was made with."
+        ),
+        rounding,
+        ignore_columns,
+        click.option("--layout", type=FILE, help="Layout and robots of CSV orders."),
+    ):
+        function = option(function)
+    return function
 
 
 def written(*names: str, **more: Any) -> Callable[[Function], Function]:

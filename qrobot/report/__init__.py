@@ -1,6 +1,7 @@
-"""What people see of plans: pictures and tables."""
+"""What people see of plans: pictures, pick lists and tables."""
 
+from qrobot.report.picklist import PickLists, pick_lists
 from qrobot.report.picture import check_picture_path, plot
 from qrobot.report.tables import table
 
-__all__ = ["check_picture_path", "plot", "table"]
+__all__ = ["PickLists", "check_picture_path", "pick_lists", "plot", "table"]

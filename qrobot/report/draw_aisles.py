@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
@@ -17,6 +16,7 @@ from qrobot.report.labels import POINTS, text_width
 from qrobot.report.lanes import XY, Lanes, Track
 from qrobot.report.maps import Look, Map
 from qrobot.report.palette import Colour
+from qrobot.report.racks import Racks
 from qrobot.report.scene import Journey, Scene
 
 __all__ = ["draw_aisles"]
@@ -26,32 +26,15 @@ HATCH = "#b4545c"
 NOT_PICKED = Colour("#9aa5b1", "#5b6673")
 
 
-@dataclass(frozen=True, slots=True)
-class _Sizes:
-    """Half widths of corridors and the size of a slot, metres."""
-
-    aisle: float
-    cross: float
-    slot: float
-
-    @classmethod
-    def of(cls, house: AisleWarehouse) -> _Sizes:
-        pitch, slot = house.aisle_pitch, house.slot_pitch
-        aisle = max(0.2 * pitch, pitch / 2 - 2 * max(slot, house.end_gap))
-        free = house.end_gap - slot / 2
-        cross = max(free, min(0.5 * house.end_gap, 0.2 * pitch))
-        return cls(aisle, cross, min(slot, 2 * house.end_gap))
-
-
 def draw_aisles(scene: Scene) -> Any:
     """Return the figure of a plan in an aisle warehouse."""
     house = scene.instance.warehouse
     assert isinstance(house, AisleWarehouse)
-    sizes = _Sizes.of(house)
+    racks = Racks(house)
     width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
     y = house.depot[1]
-    low = (-house.aisle_pitch / 2, min(-sizes.cross, y))
-    high = (width + house.aisle_pitch / 2, max(depth + sizes.cross, y))
+    low = (-house.aisle_pitch / 2, min(-racks.cross, y))
+    high = (width + house.aisle_pitch / 2, max(depth + racks.cross, y))
     room = 0.055 * max(high[0] - low[0], high[1] - low[1])
     patches = [("slot; numbers: stops in sequence", RACK, "")]
     if house.closed_aisles or house.closed_crossings:
@@ -59,51 +42,52 @@ def draw_aisles(scene: Scene) -> Any:
     canvas = Canvas(
         scene, (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room), patches
     )
-    _draw_all(canvas.main, scene, house, sizes)
+    _draw_all(canvas.main, scene, racks)
     for journey, own in canvas.panels:
-        _draw_alone(own, journey, house, sizes)
+        _draw_alone(own, journey, racks)
     return canvas.finish()
 
 
-def _draw_all(drawn: Map, scene: Scene, house: AisleWarehouse, sizes: _Sizes) -> None:
-    _floor(drawn, house, sizes)
-    _slots(drawn, house, sizes)
-    _closed(drawn, house, sizes)
-    lines, look = _ways(drawn, scene.journeys, sizes, most=2.5, every=110)
+def _draw_all(drawn: Map, scene: Scene, racks: Racks) -> None:
+    house = racks.house
+    _floor(drawn, racks)
+    _slots(drawn, racks)
+    _closed(drawn, racks)
+    lines, look = _ways(drawn, scene.journeys, racks, most=2.5, every=110)
     for journey, line in zip(scene.journeys, lines, strict=True):
         drawn.halts(journey, line.stops, size=max(1.2, 1.9 * look.line))
-    _picks(drawn, scene, house, sizes, lines)
+    _picks(drawn, scene, racks, lines)
     for journey, line in zip(scene.journeys, lines, strict=True):
         drawn.tag(journey, line)
     depth = house.blocks * house.block_length
     y = house.depot[1]
     below = y <= depth / 2
     # The label stands outside the floor, also when the depot stands inside.
-    inside = y + sizes.cross if below else depth + sizes.cross - y
+    inside = y + racks.cross if below else depth + racks.cross - y
     away = max(12.0, drawn.points(inside) + 3)
     drawn.depot(
         house.depot,
         label=(0, -away if below else away),
         align=("center", "top" if below else "bottom"),
     )
-    _names(drawn, house, sizes, above=below)
+    _names(drawn, racks, above=below)
 
 
-def _draw_alone(drawn: Map, journey: Journey, house: AisleWarehouse, sizes: _Sizes) -> None:
+def _draw_alone(drawn: Map, journey: Journey, racks: Racks) -> None:
     """Draw one trip on a small map: racks without slots, stops as numbered marks."""
-    _floor(drawn, house, sizes)
-    _racks(drawn, house, sizes)
-    _closed(drawn, house, sizes)
-    ((line,), _) = _ways(drawn, [journey], sizes, most=1.5, every=60)
+    _floor(drawn, racks)
+    _racks(drawn, racks)
+    _closed(drawn, racks)
+    ((line,), _) = _ways(drawn, [journey], racks, most=1.5, every=60)
     drawn.stops(journey, line.stops)
-    drawn.depot(house.depot, size=7)
+    drawn.depot(racks.house.depot, size=7)
 
 
 def _ways(
-    drawn: Map, journeys: Sequence[Journey], sizes: _Sizes, *, most: float, every: float
+    drawn: Map, journeys: Sequence[Journey], racks: Racks, *, most: float, every: float
 ) -> tuple[list[Track], Look]:
     """Draw the ways, `most` points wide where their corridors have room for that."""
-    widths = (1.9 * sizes.cross, 1.9 * sizes.aisle)
+    widths = (1.9 * racks.cross, 1.9 * racks.aisle)
     lanes = Lanes([journey.legs for journey in journeys], margin=drawn.metres(6))
     width = max(0.9, min(most, drawn.points(lanes.widest_gap(widths)) / 1.7))
     look = Look(line=width, halo=0.5 * width, arrow=max(3.6, 3.2 * width), every=every)
@@ -113,30 +97,18 @@ def _ways(
     return lines, look
 
 
-def _slot_box(
-    house: AisleWarehouse, sizes: _Sizes, slot: Slot
-) -> tuple[float, float, float, float]:
-    """Return left, bottom, width and height of a slot."""
-    x, y = house.position(slot)
-    deep = house.aisle_pitch / 2 - sizes.aisle
-    left = x - house.aisle_pitch / 2 if slot.side == "left" else x + sizes.aisle
-    return left, y - sizes.slot / 2, deep, sizes.slot
-
-
 def _corners(left: float, bottom: float, width: float, height: float) -> list[XY]:
     right, top = left + width, bottom + height
     return [(left, bottom), (right, bottom), (right, top), (left, top)]
 
 
-def _floor(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
-    axes = drawn.axes
-    width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
-    left, right = -house.aisle_pitch / 2, width + house.aisle_pitch / 2
-    axes.add_artist(
+def _floor(drawn: Map, racks: Racks) -> None:
+    left, low, width, height = racks.floor
+    drawn.axes.add_artist(
         Rectangle(
-            (left, -sizes.cross),
-            right - left,
-            depth + 2 * sizes.cross,
+            (left, low),
+            width,
+            height,
             fc="none",
             ec="#8a95a3",
             lw=1.2,
@@ -146,52 +118,28 @@ def _floor(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
     )
 
 
-def _slots(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
-    racks = [
-        _corners(*_slot_box(house, sizes, Slot(aisle, slot, block, side)))
-        for aisle in range(house.aisles)
-        for block in range(house.blocks)
-        for slot in range(house.slots)
-        for side in ("left", "right")
-    ]
-    thin = max(0.1, min(0.8, drawn.points(sizes.slot) / 14))
+def _slots(drawn: Map, racks: Racks) -> None:
+    thin = max(0.1, min(0.8, drawn.points(racks.slot) / 14))
     drawn.axes.add_artist(
         PolyCollection(
-            racks, facecolors=RACK, edgecolors="white", linewidths=thin, zorder=1, gid="racks"
+            [_corners(*box) for box in racks.slots()],
+            facecolors=RACK,
+            edgecolors="white",
+            linewidths=thin,
+            zorder=1,
+            gid="racks",
         )
     )
 
 
-def _racks(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
+def _racks(drawn: Map, racks: Racks) -> None:
     """Draw each side of an aisle's block as one rack."""
-    racks = []
-    for aisle in range(house.aisles):
-        for block in range(house.blocks):
-            for side in ("left", "right"):
-                left, low, width, height = _slot_box(house, sizes, Slot(aisle, 0, block, side))
-                high = _slot_box(house, sizes, Slot(aisle, house.slots - 1, block, side))[1]
-                racks.append(_corners(left, low, width, high + height - low))
-    drawn.axes.add_artist(PolyCollection(racks, facecolors=RACK, edgecolors="none", zorder=1))
+    boxes = [_corners(*box) for box in racks.racks()]
+    drawn.axes.add_artist(PolyCollection(boxes, facecolors=RACK, edgecolors="none", zorder=1))
 
 
-def _closed(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
-    boxes = []
-    for aisle, block in sorted(house.closed_aisles):
-        x, y = aisle * house.aisle_pitch, block * house.block_length
-        boxes.append(
-            (
-                x - sizes.aisle,
-                y + sizes.cross,
-                2 * sizes.aisle,
-                house.block_length - 2 * sizes.cross,
-            )
-        )
-    for cross, aisle in sorted(house.closed_crossings):
-        x, y = aisle * house.aisle_pitch, cross * house.block_length
-        boxes.append(
-            (x + sizes.aisle, y - sizes.cross, house.aisle_pitch - 2 * sizes.aisle, 2 * sizes.cross)
-        )
-    for n, (left, bottom, width, height) in enumerate(boxes, 1):
+def _closed(drawn: Map, racks: Racks) -> None:
+    for n, (left, bottom, width, height) in enumerate(racks.closed(), 1):
         drawn.axes.add_artist(
             Rectangle(
                 (left, bottom),
@@ -207,9 +155,7 @@ def _closed(drawn: Map, house: AisleWarehouse, sizes: _Sizes) -> None:
         )
 
 
-def _picks(
-    drawn: Map, scene: Scene, house: AisleWarehouse, sizes: _Sizes, lines: list[Track]
-) -> None:
+def _picks(drawn: Map, scene: Scene, racks: Racks, lines: list[Track]) -> None:
     """Colour the slots that are picked from and number them by stop."""
     at: defaultdict[Slot, list[tuple[int, int]]] = defaultdict(list)  # (journey, stop)
     for j, journey in enumerate(scene.journeys):
@@ -219,7 +165,7 @@ def _picks(
     boxes: defaultdict[int, list[list[XY]]] = defaultdict(list)
     arms: defaultdict[int, list[list[XY]]] = defaultdict(list)
     for slot, visits in at.items():
-        left, bottom, width, height = _slot_box(house, sizes, slot)
+        left, bottom, width, height = racks.slot_box(slot)
         parts = [(j, [s for _, s in group]) for j, group in groupby(sorted(visits), lambda v: v[0])]
         each = width / len(parts)
         for k, (j, stops) in enumerate(parts):
@@ -233,7 +179,7 @@ def _picks(
         i.place for i in scene.instance.items if isinstance(i.place, Slot) and i.place not in at
     ]
     if waiting:
-        boxes[-1] = [_corners(*_slot_box(house, sizes, slot)) for slot in waiting]
+        boxes[-1] = [_corners(*racks.slot_box(slot)) for slot in waiting]
     for j, polygons in boxes.items():
         colour = NOT_PICKED if j < 0 else scene.journeys[j].colour
         name = "not-picked" if j < 0 else f"trip-{scene.journeys[j].number}-picks"
@@ -242,7 +188,7 @@ def _picks(
                 polygons,
                 facecolors=colour.fill,
                 edgecolors=colour.edge,
-                linewidths=min(0.8, drawn.points(sizes.slot) / 12),
+                linewidths=min(0.8, drawn.points(racks.slot) / 12),
                 zorder=3,
                 gid=name,
             )
@@ -252,7 +198,7 @@ def _picks(
             LineCollection(
                 segments,
                 colors=scene.journeys[j].colour.edge,
-                linewidths=min(0.9, drawn.points(sizes.slot) / 12),
+                linewidths=min(0.9, drawn.points(racks.slot) / 12),
                 zorder=3.5,
             )
         )
@@ -275,9 +221,10 @@ def _number(drawn: Map, at: XY, box: XY, stops: list[int], scene: Scene, journey
             return
 
 
-def _names(drawn: Map, house: AisleWarehouse, sizes: _Sizes, *, above: bool) -> None:
+def _names(drawn: Map, racks: Racks, *, above: bool) -> None:
     """Write the numbers of the aisles on the side away from the depot."""
-    y = house.blocks * house.block_length + sizes.cross if above else -sizes.cross
+    house = racks.house
+    y = house.blocks * house.block_length + racks.cross if above else -racks.cross
     offset = 5 if above else -5
     every = 1 + int(house.aisles * 17 / max(drawn.points((house.aisles) * house.aisle_pitch), 1))
     for aisle in range(0, house.aisles, every):

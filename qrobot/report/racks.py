@@ -1,0 +1,91 @@
+"""Where things stand in an aisle warehouse: racks, slots and what is closed, metres."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+
+from qrobot.problem import AisleWarehouse, Slot
+
+__all__ = ["Box", "Racks"]
+
+Box = tuple[float, float, float, float]
+"""Left, bottom, width and height."""
+
+
+class Racks:
+    """The floor of an aisle warehouse to scale.
+
+    Parameters
+    ----------
+    house
+        The layout.
+
+    Attributes
+    ----------
+    aisle, cross
+        Half widths of aisles and of cross aisles.
+    slot
+        Length of a slot along its aisle.
+    """
+
+    def __init__(self, house: AisleWarehouse) -> None:
+        self.house = house
+        pitch, slot = house.aisle_pitch, house.slot_pitch
+        self.aisle = max(0.2 * pitch, pitch / 2 - 2 * max(slot, house.end_gap))
+        free = house.end_gap - slot / 2
+        self.cross = max(free, min(0.5 * house.end_gap, 0.2 * pitch))
+        self.slot = min(slot, 2 * house.end_gap)
+
+    @property
+    def floor(self) -> Box:
+        """The outline of the whole."""
+        house = self.house
+        depth = house.blocks * house.block_length
+        return (
+            -house.aisle_pitch / 2,
+            -self.cross,
+            house.aisles * house.aisle_pitch,
+            depth + 2 * self.cross,
+        )
+
+    def slot_box(self, slot: Slot) -> Box:
+        """Return the box of a slot."""
+        x, y = self.house.position(slot)
+        half = self.house.aisle_pitch / 2
+        left = x - half if slot.side == "left" else x + self.aisle
+        return left, y - self.slot / 2, half - self.aisle, self.slot
+
+    def slots(self) -> Iterator[Box]:
+        """Yield the boxes of all slots."""
+        house = self.house
+        for aisle, block, slot in product(
+            range(house.aisles), range(house.blocks), range(house.slots)
+        ):
+            yield self.slot_box(Slot(aisle, slot, block, "left"))
+            yield self.slot_box(Slot(aisle, slot, block, "right"))
+
+    def racks(self) -> Iterator[Box]:
+        """Yield each side of an aisle's block as one box."""
+        for first, last in zip(self._slots(0), self._slots(self.house.slots - 1), strict=True):
+            left, low, width, height = self.slot_box(first)
+            yield left, low, width, self.slot_box(last)[1] + height - low
+
+    def closed(self) -> Iterator[Box]:
+        """Yield the parts of aisles and cross aisles that are closed."""
+        house = self.house
+        for aisle, block in sorted(house.closed_aisles):
+            x, y = aisle * house.aisle_pitch, block * house.block_length
+            length = house.block_length - 2 * self.cross
+            yield x - self.aisle, y + self.cross, 2 * self.aisle, length
+        for cross, aisle in sorted(house.closed_crossings):
+            x, y = aisle * house.aisle_pitch, cross * house.block_length
+            length = house.aisle_pitch - 2 * self.aisle
+            yield x + self.aisle, y - self.cross, length, 2 * self.cross
+
+    def _slots(self, slot: int) -> Iterator[Slot]:
+        """Yield the slots of one number in every block of every aisle, on both sides."""
+        for aisle in range(self.house.aisles):
+            for block in range(self.house.blocks):
+                yield Slot(aisle, slot, block, "left")
+                yield Slot(aisle, slot, block, "right")
