@@ -1,7 +1,8 @@
 """What people see of plans: pictures, pick lists and tables."""
 
 from qrobot.report.picklist import PickLists, pick_lists
+from qrobot.report.picklist_page import picklist_page
 from qrobot.report.picture import check_picture_path, plot
 from qrobot.report.tables import table
 
-__all__ = ["PickLists", "check_picture_path", "pick_lists", "plot", "table"]
+__all__ = ["PickLists", "check_picture_path", "pick_lists", "picklist_page", "plot", "table"]

@@ -33,7 +33,7 @@ def test_the_ending_of_the_output_says_the_format(plan: Path, tmp_path: Path) ->
         assert (done.returncode, done.stdout) == (
             0, f"written: {tmp_path / name} (2 lists, 7 picks)\n",
         )  # fmt: skip
-    rows = list(csv.DictReader((tmp_path / "x.csv").open()))
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "x.csv").read_text())))
     data = json.loads((tmp_path / "x.json").read_text())
     assert [row["item"] for row in rows] == [
         pick["item"] for trip in data["trips"] for pick in trip["picks"]

@@ -111,7 +111,7 @@ def browser() -> Iterator[Browser]:
 
     # Their numbers must not be 3 or 4 themselves, or one dup2 would overwrite the other.
     to_child, from_child = _above(to_child), _above(from_child)
-    with tempfile.TemporaryDirectory() as profile:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:  # it may still write
         process = subprocess.Popen(
             [
                 CHROMIUM, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
