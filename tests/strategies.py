@@ -5,11 +5,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from fractions import Fraction
 
 from hypothesis import strategies as st
 
+from qrobot.errors import InputError
 from qrobot.problem import (
     AisleWarehouse,
     DistanceTable,
@@ -50,20 +52,39 @@ def aisle_warehouses(draw: st.DrawFn, *, closed: bool = False) -> AisleWarehouse
     aisles, blocks = draw(st.integers(1, 5)), draw(st.integers(1, 3))
     sub_aisles = [(a, b) for a in range(aisles) for b in range(blocks)]
     segments = [(c, a) for c in range(blocks + 1) for a in range(aisles - 1)]
-    return AisleWarehouse(
+    gaps = st.tuples(*[st.tuples(lengths, lengths)] * blocks)
+    house = AisleWarehouse(
         aisles=aisles,
         blocks=blocks,
         slots=draw(st.integers(1, 6)),
         aisle_pitch=draw(lengths),
         slot_pitch=draw(lengths),
         end_gap=draw(lengths),
-        back_gap=draw(st.none() | lengths),
         depot_aisle=draw(st.integers(0, aisles - 1)),
         depot_cross_aisle=draw(st.integers(0, blocks)),
         depot_distance=draw(st.sampled_from([0.0, 0.5, 3.0])),
         closed_aisles=draw(_some_of(sub_aisles) if closed else st.just(frozenset())),
         closed_crossings=draw(_some_of(segments) if closed else st.just(frozenset())),
+        block_gaps=draw(st.just(()) | gaps),
     )
+    return draw(_with_depot_ways(house))
+
+
+@st.composite
+def _with_depot_ways(draw: st.DrawFn, house: AisleWarehouse) -> AisleWarehouse:
+    """Draw further ways from the depot, none shorter than straight on."""
+    others = [aisle for aisle in range(house.aisles) if aisle != house.depot_aisle]
+    if not others or draw(st.booleans()):
+        return house
+    shorter = st.sampled_from([0.0, house.depot_distance / 2, house.depot_distance])
+    ways = tuple(
+        (a, house.aisle_pitch * abs(a - house.depot_aisle) + house.depot_distance - draw(shorter))
+        for a in draw(st.lists(st.sampled_from(others), unique=True))
+    )
+    try:
+        return dataclasses.replace(house, depot_ways=ways)
+    except InputError:  # where a cross aisle is closed, they would be a short cut
+        return house
 
 
 def _some_of(

@@ -83,13 +83,13 @@ class _Walk:
 
     def __init__(self, w: AisleWarehouse) -> None:
         self._w = w
-        back = w.end_gap if w.back_gap is None else w.back_gap
-        self._length = w.end_gap + w.slot_pitch * (w.slots - 1) + back
+        self._gaps = w.block_gaps or [(w.end_gap, w.end_gap)] * w.blocks
+        self._lengths = [sum(gaps) + w.slot_pitch * (w.slots - 1) for gaps in self._gaps]
         self._steps: defaultdict[_Crossing, list[tuple[_Crossing, float]]] = defaultdict(list)
         for aisle in range(w.aisles):
             for block in range(w.blocks):
                 if (aisle, block) not in w.closed_aisles:
-                    self._join((aisle, block), (aisle, block + 1), self._length)
+                    self._join((aisle, block), (aisle, block + 1), self._lengths[block])
         for cross in range(w.blocks + 1):
             for aisle in range(w.aisles - 1):
                 if (cross, aisle) not in w.closed_crossings:
@@ -103,13 +103,14 @@ class _Walk:
         """Return the crossings next to a place and how far they are; None is the depot."""
         w = self._w
         if not isinstance(place, Slot):
-            return {(w.depot_aisle, w.depot_cross_aisle): w.depot_distance}
+            ways = ((w.depot_aisle, w.depot_distance), *w.depot_ways)
+            return {(aisle, w.depot_cross_aisle): length for aisle, length in ways}
         if (place.aisle, place.block) in w.closed_aisles:
             return {}
-        front = w.end_gap + place.slot * w.slot_pitch
+        front = self._gaps[place.block][0] + place.slot * w.slot_pitch
         return {
             (place.aisle, place.block): front,
-            (place.aisle, place.block + 1): self._length - front,
+            (place.aisle, place.block + 1): self._lengths[place.block] - front,
         }
 
     def __call__(self, start: Place | None, end: Place | None) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats
+from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Slot
 
 __all__ = ["Grid", "grid_of", "part_costs", "positions_of"]
@@ -51,9 +52,21 @@ class Grid:
 
 
 def grid_of(warehouse: AisleWarehouse) -> Grid:
-    """Return the columns of a layout."""
+    """Return the columns of a layout.
+
+    Raises
+    ------
+    InputError
+        When ways lead from the depot to several crossings.
+    """
+    if warehouse.depot_ways:
+        raise InputError(
+            "the depot has ways to several aisles",
+            field="depot.ways",
+            advice="let a search find the sequence",
+        )
     across = np.full((warehouse.aisles - 1, warehouse.blocks + 1), float(warehouse.aisle_pitch))
-    along = np.full((warehouse.aisles, warehouse.blocks), float(warehouse.block_length))
+    along = np.tile(np.array(warehouse.block_lengths), (warehouse.aisles, 1))
     for cross, aisle in warehouse.closed_crossings:
         across[aisle, cross] = np.inf
     for aisle, block in warehouse.closed_aisles:

@@ -31,13 +31,14 @@ from qrobot.problem import (
 def fine_graph(w: AisleWarehouse) -> nx.Graph:
     """Every slot and every crossing as a node: nothing clever."""
     graph = nx.Graph()
-    graph.add_edge("depot", ("x", w.depot_aisle, w.depot_cross_aisle), weight=w.depot_distance)
+    for a, length in ((w.depot_aisle, w.depot_distance), *w.depot_ways):
+        graph.add_edge("depot", ("x", a, w.depot_cross_aisle), weight=length)
     for a in range(w.aisles):
         for b in range(w.blocks):
             chain = [("x", a, b), *((a, b, s) for s in range(w.slots)), ("x", a, b + 1)]
             graph.add_nodes_from(chain)
-            back = w.end_gap if w.back_gap is None else w.back_gap
-            steps = [w.end_gap, *[w.slot_pitch] * (w.slots - 1), back]
+            front, back = w.block_gaps[b] if w.block_gaps else (w.end_gap, w.end_gap)
+            steps = [front, *[w.slot_pitch] * (w.slots - 1), back]
             if (a, b) not in w.closed_aisles:
                 for (one, other), step in zip(itertools.pairwise(chain), steps, strict=True):
                     graph.add_edge(one, other, weight=step)
@@ -92,20 +93,23 @@ def test_a_way_is_as_long_as_its_distance_and_keeps_to_the_aisles(
 
 def assert_on_grid(w: AisleWarehouse, one: tuple[float, float], other: tuple[float, float]) -> None:
     """Along one open aisle or one open cross aisle, or on the depot's own lead."""
-    if w.depot_distance and w.depot in (one, other):
+    if (w.depot_distance or w.depot_ways) and w.depot in (one, other):
         return
+    heights = [0.0]
+    for front, back in w.block_gaps or [(w.end_gap, w.end_gap)] * w.blocks:
+        heights.append(heights[-1] + front + (w.slots - 1) * w.slot_pitch + back)
     (x0, y0), (x1, y1) = one, other
     if x0 == x1:
         aisle = round(x0 / w.aisle_pitch)
         assert aisle * w.aisle_pitch == pytest.approx(x0)
         low, high = sorted((y0, y1))
         for block in range(w.blocks):
-            inside = min(high, (block + 1) * w.block_length) - max(low, block * w.block_length)
+            inside = min(high, heights[block + 1]) - max(low, heights[block])
             assert inside <= 1e-9 or (aisle, block) not in w.closed_aisles
     else:
         assert y0 == y1
-        cross = round(y0 / w.block_length)
-        assert cross * w.block_length == pytest.approx(y0)
+        cross = min(range(w.blocks + 1), key=lambda c: abs(heights[c] - y0))
+        assert heights[cross] == pytest.approx(y0)
         low, high = sorted((x0, x1))
         for aisle in range(w.aisles - 1):
             inside = min(high, (aisle + 1) * w.aisle_pitch) - max(low, aisle * w.aisle_pitch)

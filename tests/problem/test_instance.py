@@ -109,6 +109,36 @@ A, B = Point(1, 1), Point(2, 2)
             lambda: AisleWarehouse(aisles=1, slots=1, closed_crossings=frozenset({(0, 0)})),
             "closed_crossings[].aisle: 0 is outside the layout; remove it",
         ),
+        (
+            lambda: AisleWarehouse(aisles=1, slots=1, blocks=2, block_gaps=((1, 1),)),
+            "block_gaps: 1 pairs of gaps for 2 blocks; give a front and a back gap for each block",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=1, slots=1, block_gaps=((1, -1),)),
+            "block_gaps[0].back: -1 is not 0 to 1e+06; correct it",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=1, slots=1, block_gaps=((0, 0),)),
+            "block_gaps[0].front: 0 leaves no aisle; use metres above 0",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=2, slots=1, depot_ways=((2, 1),)),
+            "depot.ways[0].aisle: 2 is outside the layout; use 0 to 1",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=2, slots=1, depot_ways=((1, math.nan),)),
+            "depot.ways[0].distance: nan is not 0 to 1e+06; correct it",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=2, slots=1, depot_ways=((0, 1),)),
+            "depot.ways: two ways lead to one aisle; keep the shorter one",
+        ),
+        (
+            lambda: AisleWarehouse(
+                aisles=3, slots=1, aisle_pitch=2, depot_distance=1, depot_ways=((2, 2.9),)
+            ),
+            "depot.ways: the ways to aisles 0 and 2 are a short cut past the depot; lengthen them",
+        ),
         (lambda: OpenFloor(depot_x=math.inf), "depot.x: inf is not -1e+09 to 1e+09; correct it"),
         (lambda: DistanceTable(()), "matrix: is empty; give at least the depot's row"),
         (lambda: DistanceTable(((0, 1), (1,))), "matrix[1]: has 1 entries where the matrix has 2"),

@@ -237,12 +237,13 @@ def _warehouse(document: Document) -> Warehouse:
             aisle_pitch=model.aisle_pitch,
             slot_pitch=model.slot_pitch,
             end_gap=model.end_gap,
-            back_gap=model.back_gap,
             depot_aisle=model.depot.aisle,
             depot_cross_aisle=model.depot.cross_aisle,
             depot_distance=model.depot.distance,
             closed_aisles=frozenset((c.aisle, c.block) for c in model.closed_aisles),
             closed_crossings=frozenset((c.cross_aisle, c.aisle) for c in model.closed_crossings),
+            block_gaps=tuple((g.front, g.back) for g in model.block_gaps),
+            depot_ways=tuple((way.aisle, way.distance) for way in model.depot.ways),
         )
     if isinstance(model, FloorModel):
         return OpenFloor(model.depot.x, model.depot.y, model.metric, model.rounding)
@@ -328,6 +329,8 @@ def _place_data(place: Place) -> dict[str, Any]:
 def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
     if isinstance(warehouse, AisleWarehouse):
         w = warehouse
+        gaps = [{"front": front, "back": back} for front, back in w.block_gaps]
+        ways = [{"aisle": aisle, "distance": length} for aisle, length in w.depot_ways]
         return {
             "kind": "aisles",
             "aisles": w.aisles,
@@ -336,11 +339,12 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
             "aisle_pitch": w.aisle_pitch,
             "slot_pitch": w.slot_pitch,
             "end_gap": w.end_gap,
-            **({} if w.back_gap is None else {"back_gap": w.back_gap}),
+            **({"block_gaps": gaps} if gaps else {}),
             "depot": {
                 "aisle": w.depot_aisle,
                 "cross_aisle": w.depot_cross_aisle,
                 "distance": w.depot_distance,
+                **({"ways": ways} if ways else {}),
             },
             "closed_aisles": [{"aisle": a, "block": b} for a, b in sorted(w.closed_aisles)],
             "closed_crossings": [

@@ -30,7 +30,8 @@ _LAYOUT = {
     "aisle_pitch": "DISTANCE_AISLE_TO_AISLE",
     "slot_pitch": "DISTANCE_CELL_TO_CELL",
     "end_gap": "DISTANCE_BOTTOM_TO_CELL",
-    "back_gap": "DISTANCE_TOP_TO_CELL",
+    "block_gaps[0].front": "DISTANCE_BOTTOM_TO_CELL",
+    "block_gaps[0].back": "DISTANCE_TOP_TO_CELL",
     "depot.aisle": "DEPOT_AISLE",
     "depot.cross_aisle": "DEPOT_LOCATION",
     "depot.distance": "DISTANCE_TOP_OR_BOTTOM_TO_DEPOT",
@@ -169,7 +170,7 @@ def _warehouse(file: _File) -> AisleWarehouse:
     line, side = file.field("DEPOT_LOCATION")
     if side not in ("bottom", "top"):
         raise line.error(f"{side!r:.40} is not a side of the aisles", "write bottom or top")
-    bottom, top = (file.length(_LAYOUT[name]) for name in ("end_gap", "back_gap"))
+    bottom, top = (file.length(f"DISTANCE_{end}_TO_CELL") for end in ("BOTTOM", "TOP"))
     aisles = file.whole("NUM_AISLES", least=1, most=10**6)
     try:
         return AisleWarehouse(
@@ -178,7 +179,7 @@ def _warehouse(file: _File) -> AisleWarehouse:
             aisle_pitch=file.length("DISTANCE_AISLE_TO_AISLE"),
             slot_pitch=file.length("DISTANCE_CELL_TO_CELL"),
             end_gap=bottom,
-            back_gap=None if top == bottom else top,
+            block_gaps=() if top == bottom else ((bottom, top),),
             depot_aisle=file.whole("DEPOT_AISLE", least=0, most=aisles - 1),
             depot_cross_aisle=int(side == "top"),
             depot_distance=file.length("DISTANCE_TOP_OR_BOTTOM_TO_DEPOT"),

@@ -79,12 +79,20 @@ class NodeModel(_Strict):
     node: Index
 
 
+class DepotWayModel(_Strict):
+    """A straight way from the depot to another crossing of its cross aisle, metres."""
+
+    aisle: Index
+    distance: Length
+
+
 class DepotModel(_Strict):
     """The crossing that the depot stands at, and the way to it, metres."""
 
     aisle: Index = 0
     cross_aisle: Index = 0
     distance: Length = 0.0
+    ways: list[DepotWayModel] = []
 
 
 class SubAisleModel(_Strict):
@@ -101,6 +109,13 @@ class CrossingModel(_Strict):
     aisle: Index
 
 
+class GapsModel(_Strict):
+    """From the middles of a block's two cross aisles to the nearest slots, metres."""
+
+    front: Length
+    back: Length
+
+
 class AislesModel(_Strict):
     """Parallel aisles in blocks; distances are shortest ways along the aisles."""
 
@@ -111,10 +126,10 @@ class AislesModel(_Strict):
     aisle_pitch: Positive = 3.0
     slot_pitch: Positive = 1.0
     end_gap: Length = 1.0
-    back_gap: Length | None = None
     depot: DepotModel = DepotModel()
     closed_aisles: list[SubAisleModel] = []
     closed_crossings: list[CrossingModel] = []
+    block_gaps: list[GapsModel] = []
 
 
 class FloorModel(_Strict):
