@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import importlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from qrobot._extras import distribution_version, extras
@@ -18,6 +19,10 @@ PROFILES = ("base", "solver", "edge", "full")
 class Check:
     """One stack and something that it must compute right.
 
+    It stands at the end of a file with two functions. ``answer`` lets the stack compute numbers,
+    and imports its SDK inside; ``expected`` returns the same numbers from a source that shares no
+    code with the stack.
+
     Parameters
     ----------
     module
@@ -26,15 +31,12 @@ class Check:
         For people.
     imports
         Modules of the stack; importing them is timed by itself.
-    distributions
-        What must be installed, by the names that pip knows. One that is not there makes the
-        check absent; one that is there and cannot be imported makes it an error.
-    answer
-        Lets the stack compute; its SDK is imported inside.
-    expected
-        The same numbers from a source that shares no code with the stack.
     source
-        Where `expected` comes from, as a clause.
+        Where the expected answer comes from, as a clause.
+    distributions
+        What must be installed, by the names that pip knows; by default those of `imports`. One
+        that is not there makes the check absent; one that is there and cannot be imported makes it
+        an error.
     tolerance
         Largest allowed absolute difference.
     extra
@@ -47,13 +49,14 @@ class Check:
     title: str
     group: str
     imports: tuple[str, ...]
-    distributions: tuple[str, ...]
-    answer: Callable[[], Sequence[float]]
-    expected: Callable[[], Sequence[float]]
     source: str
+    distributions: tuple[str, ...] = ()
     tolerance: float = 1e-9
     extra: str | None = None
     quick: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "distributions", self.distributions or self.imports)
 
     @property
     def name(self) -> str:
@@ -68,6 +71,14 @@ class Check:
     def belongs(self, profile: str) -> bool:
         """Return whether an installation of a profile has the stack."""
         return PROFILES.index(self.profile) <= PROFILES.index(profile)
+
+    def answer(self) -> list[float]:
+        """Return what the stack computes."""
+        return [float(number) for number in importlib.import_module(self.module).answer()]
+
+    def expected(self) -> list[float]:
+        """Return what it should compute."""
+        return [float(number) for number in importlib.import_module(self.module).expected()]
 
     def versions(self) -> dict[str, str]:
         """Return the versions of the distributions that are installed; nothing is imported."""

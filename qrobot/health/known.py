@@ -23,10 +23,11 @@ __all__ = [
     "circuits_answer",
     "circuits_expected",
     "energies",
+    "energy_of",
     "ground_answer",
-    "ground_expected",
     "length",
     "lowest",
+    "model",
     "qaoa_energy",
     "qaoa_probabilities",
     "shortest",
@@ -76,6 +77,18 @@ def energies(samples: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(total)
 
 
+def energy_of(state: Mapping[int, int]) -> float:
+    """Return the energy of one state of all eight spins."""
+    return float(energies([[state[k] for k in range(len(FIELDS))]])[0])
+
+
+def model() -> Any:
+    """Return the model of all eight spins as dimod has it."""
+    import dimod
+
+    return dimod.BinaryQuadraticModel(dict(enumerate(FIELDS)), COUPLINGS, 0.0, "SPIN")
+
+
 def lowest() -> float:
     """Return the ground state energy of all eight spins."""
     return float(energies(all_spins(len(FIELDS))).min())
@@ -121,17 +134,8 @@ def circuits_expected(shots: int) -> list[float]:
 
 def ground_answer(sampler: Any, **options: Any) -> list[float]:
     """Return the lowest energy that an annealer tells, and that of its state in numpy."""
-    import dimod
-
-    model = dimod.BinaryQuadraticModel(dict(enumerate(FIELDS)), COUPLINGS, 0.0, "SPIN")
-    best = sampler.sample(model, **options).first
-    state = np.array([[best.sample[k] for k in range(len(FIELDS))]])
-    return [best.energy, float(energies(state)[0])]
-
-
-def ground_expected() -> list[float]:
-    """Return the ground state energy, twice."""
-    return [lowest()] * 2
+    best = sampler.sample(model(), **options).first
+    return [best.energy, energy_of(best.sample)]
 
 
 def length(trips: Iterable[Sequence[int]], between: Callable[[int, int], float]) -> float:

@@ -144,9 +144,9 @@ def verdict(check: Check, labels: Sequence[str] = ()) -> None:
         When the answer is wrong: the notebook has failed.
     """
     begun = time.perf_counter()
-    answer = [float(number) for number in check.answer()]
+    answer = check.answer()
     seconds = time.perf_counter() - begun
-    expected = [float(number) for number in check.expected()]
+    expected = check.expected()
     found = _Verdict(check, answer, expected, labels, seconds)
     _show(found)
     if found.wrong:

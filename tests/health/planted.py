@@ -25,9 +25,12 @@ from qrobot.health.check import Check
 def answer():
 {body}
 
+def expected():
+    return [1.0]
+
 CHECK = Check(
     module=__name__, title="planted", group="base", imports={imports!r},
-    distributions={distributions!r}, answer=answer, expected=lambda: [1.0], source="planted",
+    distributions={distributions!r}, source="planted",
 )
 """
 
@@ -57,8 +60,6 @@ def planter(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Plant:
             group="base",
             imports=imports,
             distributions=distributions,
-            answer=list,  # what counts is the file
-            expected=list,
             source="planted",
         )
 

@@ -29,9 +29,12 @@ from qrobot.health.check import Check
 def answer():
 {answer}
 
+def expected():
+    return [1.0]
+
 CHECK = Check(
     module=__name__, title="planted", group="base", imports=(), distributions=("numpy",),
-    answer=answer, expected=lambda: [1.0], source="planted",
+    source="planted",
 )
 """
 
@@ -74,8 +77,6 @@ def plant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plant:
             group="base",
             imports=(),
             distributions=distributions,
-            answer=list,  # what counts is the file
-            expected=list,
             source="planted",
         )
 
@@ -101,7 +102,8 @@ def test_a_wrong_answer_fails_and_is_kept(
         ({"cells": "1 / 0"}, "cell 2 failed: ZeroDivisionError: division by zero"),
         ({"answer": "raise ValueError('two\\nlines')"}, "cell 3 failed: ValueError: two lines"),
         ({"last": "pass"}, "it gave no verdict"),
-        ({"last": "import dataclasses\nverdict(dataclasses.replace(CHECK, module='other'))"},
+        ({"last": "import dataclasses, sys\nsys.modules['other'] = sys.modules[CHECK.module]\n"
+                  "verdict(dataclasses.replace(CHECK, module='other'))"},
          "it gave no verdict"),
         ({"last": "verdict(CHECK)\n\n# %%\nraise KeyError('late')"}, "cell 4 failed: KeyError"),
     ],

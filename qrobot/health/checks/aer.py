@@ -1,7 +1,5 @@
 """Aer: the same circuit, exact probabilities and a seeded sample."""
 
-from __future__ import annotations
-
 from qrobot.health import known
 from qrobot.health.check import Check
 
@@ -35,13 +33,11 @@ def expected() -> list[float]:
 
 
 CHECK = Check(
-    module=__name__,
+    __name__,
     title="exact and sampled circuits",
     group="gate model",
     imports=("qiskit", "qiskit_aer"),
     distributions=("qiskit-aer", "qiskit"),
-    answer=answer,
-    expected=expected,
     source="the circuit as matrices in numpy; the definition of a GHZ state",
     extra="qiskit",
 )

@@ -4,8 +4,6 @@ Three pulses must end (nearly) every shot the same way; such a blockade hardly a
 is. So a fourth one drives two atoms at its edge, where every part depends on the shift.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -105,13 +103,11 @@ def pair(area: float, apart: float) -> NDArray[np.float64]:
 
 
 CHECK = Check(
-    module=__name__,
+    __name__,
     title="a Rabi flop and a blockade",
     group="gate model",
     imports=("braket.ahs", "braket.devices", "braket.timings"),
     distributions=("amazon-braket-sdk", "amazon-braket-default-simulator"),
-    answer=answer,
-    expected=expected,
     source="closed form, of which below 1e-3 leaks; the Schroedinger equation of 4 states in numpy",
     tolerance=0.0125,  # two shots of 200; four standard deviations at the edge
     extra="braket",

@@ -1,9 +1,6 @@
 """D-Wave's cloud client: a problem as it goes over the wire, and an answer from it, offline."""
 
-from __future__ import annotations
-
 import base64
-import importlib
 import math
 import struct
 from types import SimpleNamespace
@@ -20,7 +17,8 @@ STATES, ENERGIES, COUNTS = ((1, -1, 1), (-1, -1, 1)), (-3.5, -1.25), (7, 3)
 
 def answer() -> list[float]:
     """Return the numbers that are sent, with 99 for an unused qubit, and those understood."""
-    coders: Any = importlib.import_module("dwave.cloud.coders")
+    from dwave.cloud import coders
+
     solver = SimpleNamespace(_encoding_qubits=QUBITS, _encoding_couplers=COUPLERS)
     sent = coders.encode_problem_as_qp(solver, LINEAR, QUADRATIC)
     numbers = [number for part in ("lin", "quad") for number in _doubles(sent[part])]
@@ -59,13 +57,11 @@ def _packed(kind: str, numbers: Any) -> str:
 
 
 CHECK = Check(
-    module=__name__,
+    __name__,
     title="problem and answer on the wire",
     group="annealing",
     imports=("dwave.cloud", "dwave.cloud.coders"),
     distributions=("dwave-cloud-client",),
-    answer=answer,
-    expected=expected,
     source="the format qp of D-Wave's interface, packed by the standard library",
     extra="dwave",
 )

@@ -1,10 +1,5 @@
 """jupytext: a script to a notebook and back."""
 
-from __future__ import annotations
-
-import importlib
-from typing import Any
-
 from qrobot.health.check import Check
 
 SCRIPT = """\
@@ -22,7 +17,8 @@ print(x * y)
 
 def answer() -> list[float]:
     """Return the cells, those that are code, lines of code, tags, and lines lost or moved."""
-    jupytext: Any = importlib.import_module("jupytext")
+    import jupytext
+
     notebook = jupytext.reads(SCRIPT, fmt="py:percent")
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     back = jupytext.writes(notebook, fmt="py:percent")
@@ -43,13 +39,10 @@ def expected() -> list[float]:
 
 
 CHECK = Check(
-    module=__name__,
+    __name__,
     title="a script to a notebook and back",
     group="lab",
     imports=("jupytext",),
-    distributions=("jupytext",),
-    answer=answer,
-    expected=expected,
     source="counting",
     extra="lab",
 )

@@ -1,11 +1,7 @@
 """matplotlib: a picture of two halves, its pixels, and the size that its PNG tells."""
 
-from __future__ import annotations
-
-import importlib
 import io
 import struct
-from typing import Any
 
 import numpy as np
 
@@ -18,12 +14,13 @@ LEFT, RIGHT = (0.2, 0.4, 0.8), (1.0, 0.0, 0.6)
 
 def answer() -> list[float]:
     """Return the sum of each colour in each half, and width and height of the file."""
-    figures: Any = importlib.import_module("matplotlib.figure")
-    agg: Any = importlib.import_module("matplotlib.backends.backend_agg")
-    patches: Any = importlib.import_module("matplotlib.patches")
-    figure = figures.Figure(figsize=(WIDTH / 50, HEIGHT / 50), dpi=50, facecolor=RIGHT)
-    canvas = agg.FigureCanvasAgg(figure)
-    figure.add_artist(patches.Rectangle((0, 0), 0.5, 1, facecolor=LEFT, linewidth=0))
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Rectangle
+
+    figure = Figure(figsize=(WIDTH / 50, HEIGHT / 50), dpi=50, facecolor=RIGHT)
+    canvas = FigureCanvasAgg(figure)
+    figure.add_artist(Rectangle((0, 0), 0.5, 1, facecolor=LEFT, linewidth=0))
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba(), dtype=float)
     sums = [pixels[:, half, :3].sum(axis=(0, 1)) for half in (slice(8), slice(8, None))]
@@ -39,13 +36,11 @@ def expected() -> list[float]:
 
 
 CHECK = Check(
-    module=__name__,
+    __name__,
     title="a picture's pixels",
     group="solver",
     imports=("matplotlib.figure", "matplotlib.backends.backend_agg"),
     distributions=("matplotlib",),
-    answer=answer,
-    expected=expected,
     source="pixels times colour; the PNG specification, section 11.2.1",
     tolerance=1e-6,
     extra="plot",

@@ -1,7 +1,5 @@
 """minorminer: a complete graph of five fits on a small lattice; the embedding is verified."""
 
-from __future__ import annotations
-
 import itertools
 
 from qrobot.health.check import Check
@@ -52,13 +50,10 @@ def _hangs_together(chain: set[int], edges: set[tuple[int, int]]) -> bool:
 
 
 CHECK = Check(
-    module=__name__,
+    __name__,
     title="an embedding, verified",
     group="annealing",
     imports=("minorminer",),
-    distributions=("minorminer",),
-    answer=answer,
-    expected=expected,
     source="the definition of a minor: chains hang together, are apart, cover 5 * 4 / 2 edges",
     extra="dwave",
 )

@@ -1,7 +1,5 @@
 """qRobot's exact solver: the best plan of a small floor, held against all plans."""
 
-from __future__ import annotations
-
 import math
 
 from qrobot.health import known
@@ -41,13 +39,11 @@ def expected() -> list[float]:
 
 
 CHECK = Check(
-    module=__name__,
+    __name__,
     title="the exact solver, 5 items, 2 robots",
     group="solver",
     imports=("qrobot.planning", "qrobot.problem"),
     distributions=("qrobot",),
-    answer=answer,
-    expected=expected,
     source="all plans, in plain Python",
     quick=True,
 )
