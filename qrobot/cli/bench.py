@@ -6,13 +6,13 @@ import sys
 
 import click
 
-from qrobot.cli.options import FILE, Robots, objective, rounding, written
+from qrobot.cli.options import FILE, ReadingCommand, Robots, objective, rounding, written
 from qrobot.cli.streams import say
 
 __all__ = ["command"]
 
 
-@click.command("bench")
+@click.command("bench", cls=ReadingCommand)
 @click.argument("folder", type=FILE)
 @click.option(
     "--backends", default="auto", show_default=True, help="Names of backends, separated by commas."
@@ -51,7 +51,7 @@ def command(
     markdown_path: str | None,
     plot_path: str | None,
 ) -> None:
-    """Compare backends on a FOLDER of instances (.vrp, .json, .csv).
+    """Compare backends on a FOLDER of instances ({suffixes}).
 
     References come from .sol files beside the instances, an index.json, or the instances
     themselves. Each run has a process of its own, so its peak memory is its own.

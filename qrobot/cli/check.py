@@ -7,13 +7,13 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, question
+from qrobot.cli.options import FILE, ReadingCommand, question
 from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
 
-@click.command("check")
+@click.command("check", cls=ReadingCommand)
 @click.argument("plan", type=FILE)
 @click.argument("instance", type=FILE)
 @question

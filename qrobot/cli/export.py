@@ -7,13 +7,21 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, Robots, ignore_columns, rounding, written
+from qrobot.cli.options import (
+    FILE,
+    ReadingCommand,
+    Robots,
+    ignore_columns,
+    layout,
+    rounding,
+    written,
+)
 from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
 
 
-@click.command("export")
+@click.command("export", cls=ReadingCommand)
 @click.argument("instance", type=FILE)
 @click.argument("output", type=FILE, required=False)
 @click.option(
@@ -40,7 +48,7 @@ __all__ = ["command"]
     help="Mixer of the circuit: swap, swap-all or grover.",
 )
 @click.option("--layers", type=int, default=1, show_default=True, help="Layers of the circuit.")
-@click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
+@layout
 @ignore_columns
 @rounding
 @click.option("--robots", type=Robots(), help="Number of robots instead of the file's, or 'free'.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import re
@@ -10,14 +11,17 @@ from typing import Any, NoReturn, TypeVar
 
 import click
 
+from qrobot._formats import known_formats
 from qrobot._json import json_text
 from qrobot.errors import InputError
 
 __all__ = [
     "FILE",
+    "ReadingCommand",
     "Robots",
     "Setting",
     "ignore_columns",
+    "layout",
     "objective",
     "question",
     "rounding",
@@ -39,7 +43,38 @@ objective = click.option(
     help="What shall be small: distance, or time (seconds of all robots: driving and picks).",
 )
 
-rounding = click.option("--rounding", help="Rounding of .vrp distances: none, nearest, up or down.")
+
+class ReadingCommand(click.Command):
+    """A command that reads instances; the table of formats tells its help which there are.
+
+    ``{formats}`` and ``{suffixes}`` stand for all of them, ``{layout}`` and its like for those
+    with that option.
+    """
+
+    def format_help(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the help with the formats put in."""
+        known = known_formats()
+        words = {
+            "{formats}": ", ".join(f"{suffix} ({name})" for suffix, name, _ in known),
+            "{suffixes}": ", ".join(dict.fromkeys(suffix for suffix, *_ in known)),
+        }
+        for option in ("layout", "ignore_columns", "rounding"):
+            words[f"{{{option}}}"] = ", ".join(x for x, _, options in known if option in options)
+        filled = copy.copy(self)
+        filled.params = [copy.copy(param) for param in self.params]
+        for part in (filled, *filled.params):
+            if text := getattr(part, "help", None):
+                for word, meaning in words.items():
+                    text = text.replace(word, meaning)
+                vars(part)["help"] = text
+        click.Command.format_help(filled, ctx, formatter)
+
+
+layout = click.option("--layout", type=FILE, help="Layout and robots of {layout} orders.")
+
+rounding = click.option(
+    "--rounding", help="Rounding of {rounding} distances: none, nearest, up or down."
+)
 
 
 def _names(_ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]) -> tuple[str, ...]:
@@ -50,7 +85,7 @@ ignore_columns = click.option(
     "--ignore-columns",
     multiple=True,
     callback=_names,
-    help="Columns of CSV orders to ignore, separated by commas.",
+    help="Columns of {ignore_columns} orders to ignore, separated by commas.",
 )
 
 
@@ -64,7 +99,7 @@ def question(function: Function) -> Function:
         ),
         rounding,
         ignore_columns,
-        click.option("--layout", type=FILE, help="Layout and robots of CSV orders."),
+        layout,
     ):
         function = option(function)
     return function

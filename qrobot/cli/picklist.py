@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, question, written
+from qrobot.cli.options import FILE, ReadingCommand, question, written
 from qrobot.cli.streams import say, say_json
 from qrobot.errors import InputError
 
@@ -15,7 +15,7 @@ __all__ = ["command"]
 FORMATS = ("csv", "json", "html")
 
 
-@click.command("picklist")
+@click.command("picklist", cls=ReadingCommand)
 @click.argument("plan", type=FILE)
 @click.argument("instance", type=FILE)
 @click.option(

@@ -10,9 +10,11 @@ import click
 
 from qrobot.cli.options import (
     FILE,
+    ReadingCommand,
     Robots,
     Setting,
     ignore_columns,
+    layout,
     objective,
     rounding,
     settings_of,
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["command"]
 
 
-@click.command("solve")
+@click.command("solve", cls=ReadingCommand)
 @click.argument("instance", type=FILE)
 @click.option(
     "--backend",
@@ -50,7 +52,7 @@ __all__ = ["command"]
 @click.option(
     "--split-orders", is_flag=True, help="Make each item an order of its own, as in the paper."
 )
-@click.option("--layout", type=FILE, help="Layout and robots of CSV orders.")
+@layout
 @ignore_columns
 @rounding
 @click.option("--encoding", help="Sampler: full, reduced or compact.")
@@ -112,8 +114,7 @@ def command(
 ) -> None:
     """Plan which robot collects which orders, in which sequence, by which way.
 
-    INSTANCE is a .json instance, a .csv of orders with a layout, a CVRPLIB .vrp file or a
-    .txt file of order batching;
+    INSTANCE is a file of a known format: {formats};
     "example" is the small warehouse that comes with qRobot (example:NAME for the others).
     Every plan is verified by an independent checker. Ctrl-C keeps the best plan so far.
 

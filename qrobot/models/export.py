@@ -4,29 +4,47 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Mapping
-from typing import Any, cast
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import dimod
 import numpy as np
 
-from qrobot._files import StrPath, path_text, write_bytes_atomic, write_text_atomic
+from qrobot._files import StrPath, path_text, write_bytes_atomic
 from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.models.model import build_model
-from qrobot.models.penalties import Encoding, Penalties
-from qrobot.models.slack import Slack
+from qrobot.models.penalties import Penalties
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 
-__all__ = ["FORMATS", "coordinates", "export_model", "format_of"]
+__all__ = ["FORMATS", "ModelFormat", "coordinates", "export_model", "format_of"]
 
-FORMATS = {".lp": "lp", ".json": "bqm", ".bqm": "bqm-binary", ".coo": "coo"}
-"""The format that each file ending asks for."""
+Written = tuple[bytes, dict[str, Any]]
+"""The contents of a file, and what is told of it."""
 
 
-def format_of(path: StrPath) -> str:
-    """Return the format that a file's ending asks for: ``lp``, ``bqm``, ``bqm-binary`` or ``coo``.
+@dataclasses.dataclass(frozen=True, slots=True)
+class ModelFormat:
+    """A kind of file that holds a model.
+
+    Parameters
+    ----------
+    name
+        As reports have it.
+    ending
+        What people are advised to end its files with.
+    write
+        Takes the instance, encoding, slack and penalties as `export_model` does.
+    """
+
+    name: str
+    ending: str
+    write: Callable[[Instance, Any, Any, Any], Written]
+
+
+def format_of(path: StrPath) -> ModelFormat:
+    """Return the format that a file's ending asks for.
 
     Raises
     ------
@@ -35,10 +53,11 @@ def format_of(path: StrPath) -> str:
     """
     ending = os.path.splitext(path_text(path))[1].lower()
     if ending not in FORMATS:
+        *others, last = (known.ending for known in FORMATS.values())
         raise InputError(
             f"the ending {ending!r} does not name a format",
             source=os.fspath(path),
-            advice="use .lp, .bqm.json, .bqm or .coo",
+            advice=f"use {', '.join(others)} or {last}",
         )
     return FORMATS[ending]
 
@@ -89,48 +108,20 @@ def export_model(
     MissingExtraError
         When docplex is needed and not installed.
     """
-    kind = format_of(path)
-    instance = instance_of(instance)
-    if kind == "lp":
-        return {"format": kind} | _write_lp(instance, path, encoding or "reduced", slack)
-    model = build_model(
-        instance,
-        cast("Encoding", encoding or "compact"),
-        cast("Slack", slack or "exact"),
-        penalties=penalties,
-    )
-    if kind == "bqm":
-        write_text_atomic(path, json_text(model.bqm.to_serializable()) + "\n")
-    elif kind == "coo":
-        write_text_atomic(path, coordinates(model.bqm))
-    else:
-        with model.bqm.to_file() as file:
-            write_bytes_atomic(path, file.read())
-    return {
-        "format": kind,
-        "encoding": model.encoding,
-        "slack": model.slack,
-        "variables": model.num_variables,
-        "couplings": model.bqm.num_interactions,
-        "constraints": 0,
-        "penalties": dataclasses.asdict(model.penalties),
-        # The proof of the safe weights wants a slack that reaches the whole capacity.
-        "ground_state_is_plan": penalties == "safe" and model.slack == "exact",
-        "offset": float(model.bqm.offset),
-        "offset_in_file": kind != "coo",
-    }
+    known = format_of(path)
+    data, report = known.write(instance_of(instance), encoding, slack, penalties)
+    write_bytes_atomic(path, data)
+    return {"format": known.name} | report
 
 
-def _write_lp(
-    instance: Instance, path: StrPath, encoding: str, slack: str | None
-) -> dict[str, Any]:
+def _lp(instance: Instance, encoding: Any, slack: Any, _penalties: Any) -> Written:
     from qrobot.models.docplex import lp_text, picking_docplex
 
-    model = picking_docplex(instance, cast("Any", encoding), cast("Slack | None", slack))
-    write_text_atomic(path, lp_text(model))
+    encoding = encoding or "reduced"
+    model = picking_docplex(instance, encoding, slack)
     objective = model.objective_expr
     quadratic = objective.number_of_quadratic_terms if objective.is_quad_expr() else 0
-    return {
+    return lp_text(model).encode(), {
         "encoding": encoding,
         "slack": slack,
         "variables": model.number_of_variables,
@@ -142,6 +133,38 @@ def _write_lp(
         "offset": 0.0,
         "offset_in_file": True,
     }
+
+
+def _penalty_form(
+    contents: Callable[[dimod.BinaryQuadraticModel], bytes], *, offset: bool = True
+) -> Callable[[Instance, Any, Any, Any], Written]:
+    """Return what writes a penalty form; `offset` tells whether its files keep the constant."""
+
+    def write(instance: Instance, encoding: Any, slack: Any, penalties: Any) -> Written:
+        model = build_model(instance, encoding or "compact", slack or "exact", penalties)
+        return contents(model.bqm), {
+            "encoding": model.encoding,
+            "slack": model.slack,
+            "variables": model.num_variables,
+            "couplings": model.bqm.num_interactions,
+            "constraints": 0,
+            "penalties": dataclasses.asdict(model.penalties),
+            # The proof of the safe weights wants a slack that reaches the whole capacity.
+            "ground_state_is_plan": penalties == "safe" and model.slack == "exact",
+            "offset": float(model.bqm.offset),
+            "offset_in_file": offset,
+        }
+
+    return write
+
+
+def _json(bqm: dimod.BinaryQuadraticModel) -> bytes:
+    return (json_text(bqm.to_serializable()) + "\n").encode()
+
+
+def _binary(bqm: dimod.BinaryQuadraticModel) -> bytes:
+    with bqm.to_file() as file:
+        return bytes(file.read())
 
 
 def coordinates(bqm: dimod.BinaryQuadraticModel) -> str:
@@ -168,3 +191,14 @@ def coordinates(bqm: dimod.BinaryQuadraticModel) -> str:
 def _digits(value: float) -> str:
     """Return all digits without an exponent, which dimod would not read."""
     return np.format_float_positional(value, trim="0")
+
+
+FORMATS = {
+    ".lp": ModelFormat("lp", ".lp", _lp),
+    ".json": ModelFormat("bqm", ".bqm.json", _penalty_form(_json)),
+    ".bqm": ModelFormat("bqm-binary", ".bqm", _penalty_form(_binary)),
+    ".coo": ModelFormat(
+        "coo", ".coo", _penalty_form(lambda bqm: coordinates(bqm).encode(), offset=False)
+    ),
+}
+"""The format that each file ending asks for."""

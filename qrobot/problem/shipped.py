@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from qrobot.errors import InputError
+from qrobot.problem.formats.registry import suffixes
 
 __all__ = ["example_path"]
 
@@ -38,7 +39,7 @@ def example_path(path: str | os.PathLike[str]) -> Path | None:
         file.stem: file
         for place in PLACES
         for file in sorted(place.glob("*"))
-        if file.suffix in (".json", ".vrp") and file.stem != "layout"
+        if file.suffix in suffixes() and file.stem != "layout"
     }
     if name not in found:
         raise InputError(

@@ -12,7 +12,7 @@ from qrobot.cli.progress import ProgressLine
 from qrobot.cli.solve import command
 from qrobot.errors import InputError
 from qrobot.planning import Progress
-from qrobot.problem.formats import read
+from qrobot.problem.formats import read, suffixes
 from qrobot.problem.shipped import example_path
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -20,7 +20,7 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 def test_every_example_has_its_name() -> None:
     assert read("example") == read(EXAMPLES / "small-warehouse.json")
-    files = [*EXAMPLES.glob("*.json"), *EXAMPLES.glob("*.vrp")]
+    files = [file for suffix in suffixes() for file in EXAMPLES.glob(f"*{suffix}")]
     for file in files:
         if file.stem != "layout":
             assert example_path(f"example:{file.stem}") == file

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import qrobot
+from qrobot import _formats
+from qrobot.cli.main import COMMANDS, cli
 from qrobot.errors import InputError
 from qrobot.problem import Instance
 from qrobot.problem.formats import Format, ReadOptions, register, registry, suffixes
@@ -30,12 +35,14 @@ def read_copy(path: Path, options: ReadOptions) -> Instance:
 COPY = Format("the name of another file", ".copy", read=read_copy)
 
 
-@pytest.mark.parametrize("suffix", [*registry.BUILTIN])
+@pytest.mark.parametrize("suffix", [*_formats.BUILTIN])
 def test_ours_are_registered_under_their_own_suffix(suffix: str) -> None:
     found = registry.formats_of(suffix)
     assert found
-    for format_ in found:
+    for format_, known in zip(found, _formats.BUILTIN[suffix], strict=True):
         assert format_.suffix == suffix
+        assert format_.name == known.name
+        assert format_.options == set(known.options)
         assert format_.options <= {"layout", "ignore_columns", "rounding"}
         assert len(found) == 1 or format_.recognise is not None
 
@@ -54,6 +61,29 @@ def test_a_registered_format_is_read_found_and_named(tmp_path: Path) -> None:
     (tmp_path / "a.doc").touch()
     with pytest.raises(InputError, match=r"give a \.json, \.csv, \.vrp, \.txt or \.copy file"):
         qrobot.read(tmp_path / "a.doc")
+
+
+def test_the_help_names_the_formats_that_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = EntryPoint("xyz", "house:FORMAT", _formats.GROUP)
+    monkeypatch.setattr(_formats, "plugins", lambda: {".xyz": theirs})
+    helps = {}
+    for name in COMMANDS:
+        words = CliRunner().invoke(cli, [name, "--help"]).output.split()
+        helps[name] = " ".join(words)
+    assert ".vrp (CVRPLIB and QOBLIB)" in helps["solve"]
+    assert ".xyz (of house:FORMAT)" in helps["solve"]
+    assert "(.json, .csv, .vrp, .txt, .xyz)" in helps["bench"]
+    assert all("robots of .csv orders" in helps[name] for name in ("solve", "check", "picklist"))
+    places = r"\{(formats|suffixes|layout|ignore_columns|rounding)\}"
+    assert not any(re.search(places, text) for text in helps.values())
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.VRP", "a.copy"])
+def test_a_file_that_is_only_read_is_not_written(name: str, tmp_path: Path) -> None:
+    register(COPY)
+    with pytest.raises(InputError, match=r"are only read; give a \.json file"):
+        qrobot.write(EXAMPLES / "paper-7-items.json", tmp_path / name)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("suffix", ["copy", ".", "", ".CSV", ".csv", ".json"])

@@ -14,8 +14,10 @@ import pytest
 from pages.blocks import ROOT, blocks_of
 
 import qrobot
+from qrobot._formats import known_formats
 from qrobot.problem import MAX_ITEMS, MAX_STOPS
 from qrobot.problem.aisles import MAX_CROSSINGS
+from qrobot.problem.formats.registry import formats_of
 
 PAGE = ROOT / "docs" / "formats.md"
 
@@ -35,6 +37,15 @@ def folder(tmp_path: Path, document: dict[str, Any]) -> Path:
     layout = {key: value for key, value in document.items() if key not in ("items", "orders")}
     (tmp_path / "layout.json").write_text(json.dumps(layout))
     return tmp_path
+
+
+def test_the_table_is_that_of_the_registry() -> None:
+    rows = re.findall(r"^\| `(\.\w+)` \| (.+) \| (yes|no) \|$", PAGE.read_text(), re.MULTILINE)
+    known = known_formats()
+    assert [suffix for suffix, *_ in rows] == [suffix for suffix, *_ in known]
+    for (suffix, name, _), (_, text, written) in zip(known, rows, strict=True):
+        assert text.startswith(name)
+        assert written == ("yes" if any(one.write for one in formats_of(suffix)) else "no")
 
 
 def test_the_orders_are_read_with_the_first_layout(folder: Path) -> None:

@@ -52,8 +52,7 @@ def read(
     Parameters
     ----------
     path
-        A file whose suffix tells its format (``.json`` native, ``.csv`` orders with a layout
-        beside them, ``.vrp`` CVRPLIB and QOBLIB, and what was registered), or ``example``
+        A file whose suffix tells its format, one of `suffixes`, or ``example``
         (``example:NAME``) for one that comes with qRobot.
     layout
         The layout of CSV orders; by default ``<stem>.layout.json`` or ``layout.json``
@@ -160,12 +159,14 @@ def write(instance: Instance | StrPath, path: StrPath) -> None:
     Raises
     ------
     InputError
-        When the file cannot be written, or a weight has no finite decimal.
+        When files of that suffix are only read, the file cannot be written, or a weight has no
+        finite decimal.
     """
-    named = formats_of(Path(path_text(path)).suffix.lower())
+    suffix = Path(path_text(path)).suffix.lower()
+    named = formats_of(suffix) or formats_of(".json")
     writers = [format_.write for format_ in named if format_.write is not None]
     if not writers:
-        from qrobot.problem.formats.native import to_text
-
-        writers = [to_text]
+        raise InputError(
+            f"{suffix} files are only read", source=os.fspath(path), advice="give a .json file"
+        )
     write_text_atomic(path, writers[0](instance_of(instance)))

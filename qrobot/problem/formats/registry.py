@@ -1,27 +1,25 @@
 """Which file formats exist, what each of them can, and which one a file has.
 
-A format of ours is one file that ends in ``FORMAT = Format(...)``, and one line in `BUILTIN`.
-Third parties add theirs by an entry point in the group ``qrobot.formats`` whose value is a
-`Format`, or for one process by `register`.
+A format of ours is one file that ends in ``FORMAT = Format(...)``, and one line in `BUILTIN` of
+`qrobot/_formats.py`. Third parties add theirs by an entry point in the group ``qrobot.formats``
+whose value is a `Format`, or for one process by `register`.
 """
 
 from __future__ import annotations
 
 import codecs
 import importlib
-import importlib.metadata
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
 from qrobot._files import StrPath
+from qrobot._formats import BUILTIN, plugins
 from qrobot.errors import InputError
 from qrobot.problem.instance import Instance
 
 __all__ = [
-    "BUILTIN",
-    "GROUP",
     "Format",
     "ReadOptions",
     "format_of",
@@ -29,16 +27,6 @@ __all__ = [
     "register",
     "suffixes",
 ]
-
-GROUP = "qrobot.formats"
-
-BUILTIN = {
-    ".json": ("qrobot.problem.formats.native",),
-    ".csv": ("qrobot.problem.formats.csvs",),
-    ".vrp": ("qrobot.problem.formats.vrp",),
-    ".txt": ("qrobot.problem.formats.picking_hi",),
-}
-"""The modules of our formats, by suffix: a file is imported when a file of its kind is met."""
 
 _BEGINNING = 4_096
 """Bytes of a file that tell its format."""
@@ -109,22 +97,18 @@ def register(format_: Format) -> None:
     _registered[suffix] = format_
 
 
-def _plugins() -> dict[str, importlib.metadata.EntryPoint]:
-    return {f".{entry.name}": entry for entry in importlib.metadata.entry_points(group=GROUP)}
-
-
 def suffixes() -> list[str]:
     """Return the suffixes of all files that can be read, ours first."""
-    return list(dict.fromkeys([*BUILTIN, *_registered, *sorted(_plugins())]))
+    return list(dict.fromkeys([*BUILTIN, *_registered, *sorted(plugins())]))
 
 
 def formats_of(suffix: str) -> list[Format]:
     """Return the formats that files with a suffix (lower case) may have."""
     if suffix in BUILTIN:
-        return [importlib.import_module(name).FORMAT for name in BUILTIN[suffix]]
+        return [importlib.import_module(known.module).FORMAT for known in BUILTIN[suffix]]
     if suffix in _registered:
         return [_registered[suffix]]
-    plugin = _plugins().get(suffix)
+    plugin = plugins().get(suffix)
     return [] if plugin is None else [plugin.load()]
 
 
