@@ -97,11 +97,11 @@ def get(name: str) -> Planner | PickingSampler:
     MissingExtraError
         When its software is not installed.
     """
-    plugins = _plugins()
     if name in BUILTIN:
         require(name)
         module, cls, _ = BUILTIN[name]
         return cast("Planner | PickingSampler", getattr(importlib.import_module(module), cls)())
+    plugins = _plugins()
     if name in plugins:
         return cast("Planner | PickingSampler", plugins[name].load()())
     every = ["auto", *names()]

@@ -6,10 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import dimod
-
 from qrobot._files import StrPath
-from qrobot.backends import Stop, available, capabilities, get, names
+from qrobot.backends import Planner, Stop, available, capabilities, get, names
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.plan import Objective, Plan, check
 from qrobot.plan.objective import objective_named
@@ -20,7 +18,6 @@ from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.interrupts import graceful_interrupts
 from qrobot.planning.result import Ending, Result, SamplerReport
 from qrobot.planning.run import TIE, Progress, Run
-from qrobot.planning.sampling import SamplerStrategy
 from qrobot.planning.strategy import DEFAULT_DEADLINE, PlannerStrategy, Strategy
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
@@ -159,9 +156,11 @@ def strategy_of(name: str) -> Strategy:
     backend = get(name)
     if isinstance(backend, Strategy):
         return backend
-    return (
-        SamplerStrategy(backend) if isinstance(backend, dimod.Sampler) else PlannerStrategy(backend)
-    )
+    if isinstance(backend, Planner):
+        return PlannerStrategy(backend)
+    from qrobot.planning.sampling import SamplerStrategy  # loads dimod, which takes its time
+
+    return SamplerStrategy(backend)
 
 
 def _local(name: str) -> Strategy:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from qrobot._parameters import near
 from qrobot.backends import Capabilities, Planner, Routes, Search, Stop
 from qrobot.backends.base import OnBest
-from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import InputError
 from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.planning.arguments import ARGUMENTS
 from qrobot.planning.bounding import begin_bound, time_to_search
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.run import Run
+
+if TYPE_CHECKING:
+    from qrobot.backends.sampler import PickingSampler
 
 __all__ = ["DEFAULT_DEADLINE", "PlannerStrategy", "Strategy"]
 
