@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import dimod
 import numpy as np
 import pytest
 
+from qrobot.backends.gate.algorithms import bfgs, nelder_mead
+from qrobot.backends.gate.analytic import ramp
 from qrobot.backends.gate.form import Form
-from qrobot.backends.gate.minimisers import bfgs, nelder_mead
+from qrobot.backends.gate.optimisers import Evaluations, Found
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
-from qrobot.backends.gate.tune import ramp, sharpen, tune
+from qrobot.backends.gate.tune import sharpen, tune
 from qrobot.errors import InputError
 
 
@@ -22,13 +26,25 @@ def slope(x: np.ndarray) -> tuple[float, np.ndarray]:
     return valley(x), np.array([2 * (x[0] - 1) - 40 * x[0] * rest, 20 * rest])
 
 
-def test_both_optimisers_walk_down_a_valley() -> None:
+def by_simplex(value: Callable[[np.ndarray], float], budget: int) -> Found:
     start = np.array([-1.0, 1.5])
-    found = nelder_mead(valley, start, np.array([0.3, 0.3]), budget=300)
-    assert found.point == pytest.approx([1, 1], abs=1e-2)
-    found = bfgs(slope, start, budget=100, tolerance=1e-12)
-    assert found.point == pytest.approx([1, 1], abs=1e-4)
-    assert found.history == sorted(found.history, reverse=True)
+    with Evaluations(value, start, budget=budget) as runs:
+        nelder_mead(runs.value, start, np.array([0.3, 0.3]))
+    return runs.found
+
+
+def by_gradients(slope: Callable[[np.ndarray], object], budget: int, **more: float) -> Found:
+    start = np.array([-1.0, 1.5])
+    with Evaluations(valley, start, budget=budget, slope=slope) as runs:
+        bfgs(runs.slope, start, **more)
+    return runs.found
+
+
+def test_both_optimisers_walk_down_a_valley() -> None:
+    assert by_simplex(valley, 300).parameters == pytest.approx([1, 1], abs=1e-2)
+    found = by_gradients(slope, 100, tolerance=1e-12)
+    assert found.parameters == pytest.approx([1, 1], abs=1e-4)
+    assert found.value == min(found.history) == valley(found.parameters)
 
 
 @pytest.mark.parametrize("budget", [1, 2, 3, 7, 20])
@@ -39,14 +55,14 @@ def test_budgets_are_kept(budget: int) -> None:
         calls.append(x)
         return valley(x)
 
-    found = nelder_mead(counted, np.array([-1.0, 1.5]), np.array([0.3, 0.3]), budget=budget)
-    assert len(calls) == found.evaluations == len(found.history) <= budget
-    assert bfgs(slope, np.array([-1.0, 1.5]), budget=budget).evaluations <= budget
+    found = by_simplex(counted, budget)
+    assert len(calls) == len(found.history) <= budget
+    assert len(by_gradients(slope, budget).history) <= budget
 
 
 def test_a_flat_function_ends_at_once() -> None:
-    assert bfgs(lambda x: (3.0, np.zeros_like(x)), np.zeros(2), budget=99).evaluations == 1
-    assert nelder_mead(lambda _: 3.0, np.zeros(2), np.ones(2), budget=99).evaluations == 3
+    assert len(by_gradients(lambda x: (3.0, np.zeros_like(x)), 99).history) == 1
+    assert len(by_simplex(lambda _: 3.0, 99).history) == 3
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@
 samplers in the folders of the vendors build on `VariationalSampler`.
 """
 
+from qrobot.backends.gate.analytic import ramp
 from qrobot.backends.gate.ansatz import Ansatz, make_ansatz
 from qrobot.backends.gate.circuit import Circuit, Gate
 from qrobot.backends.gate.constrained_circuits import one_hot_circuit, subspace_circuit
@@ -17,7 +18,7 @@ from qrobot.backends.gate.remote import JobEngine, RemoteEngine
 from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
 from qrobot.backends.gate.state.subspace import SubspaceQAOA, expected_best, one_hot
-from qrobot.backends.gate.tune import Tuning, ramp, sharpen, tune
+from qrobot.backends.gate.tune import Tuning, sharpen, tune
 
 __all__ = [
     "Ansatz",

@@ -1,4 +1,4 @@
-"""The expectation of one layer in closed form: parameters for any number of qubits.
+"""Angles without simulating a state: the best single layer in closed form, and a ramp of several.
 
 A. Ozaeta, W. van Dam and P. L. McMahon, "Expectation values from the single-layer quantum
 approximate optimization algorithm on Ising problems", Quantum Science and Technology 7 (2022)
@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from qrobot._arrays import Floats
 from qrobot.backends.gate.form import Form
 
-__all__ = ["best_layer", "expectation", "waves"]
+__all__ = ["best_layer", "expectation", "ramp", "waves"]
 
 
 def waves(form: Form, gamma: float) -> tuple[float, float, float]:
@@ -92,3 +93,9 @@ def best_layer(
         gammas = found[1] + np.linspace(-step, step, 21)
         betas = found[2] + np.linspace(-np.pi / angles, np.pi / angles, 41)
     return found[1], found[2], form.mean + found[0]
+
+
+def ramp(layers: int, gamma: float, beta: float) -> tuple[Floats, Floats]:
+    """Return gammas rising towards `gamma` and betas falling from `beta`, shape (layers,)."""
+    at = (np.arange(layers) + 0.5) / layers
+    return gamma * at, beta * (1 - at)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from qrobot._arrays import Floats
-from qrobot.backends.gate.analytic import best_layer
+from qrobot.backends.gate.analytic import best_layer, ramp
 from qrobot.backends.gate.circuit import Circuit, Gate
 from qrobot.backends.gate.form import Form, Term
 from qrobot.errors import InputError
@@ -145,5 +145,4 @@ def _ramp(form: Form, layers: int) -> tuple[Floats, Floats]:
     gamma /= _unit(form)
     if layers == 1:
         return np.array([gamma]), np.array([beta])
-    at = (np.arange(layers) + 0.5) / layers
-    return gamma * 2 * at, beta * 2 * (1 - at)
+    return ramp(layers, 2 * gamma, 2 * beta)

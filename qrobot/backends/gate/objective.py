@@ -13,10 +13,10 @@ from typing import Protocol
 import numpy as np
 
 from qrobot._arrays import Floats
+from qrobot.backends.gate.algorithms import Turns
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, shift
 from qrobot.backends.gate.form import Form
-from qrobot.backends.gate.optimisers import Turns
 
 __all__ = ["ExactObjective", "Objective", "ShotObjective", "Tail", "tail_of_samples"]
 

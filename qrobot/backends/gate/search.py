@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from qrobot._arrays import Floats
+from qrobot.backends.gate.algorithms import SWEEPS
 from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.engine import Engine, StateEngine
 from qrobot.backends.gate.form import Form, diagonal
 from qrobot.backends.gate.objective import ExactObjective, Objective, ShotObjective
-from qrobot.backends.gate.optimisers import GRADIENT, SWEEPS, Found, minimise
+from qrobot.backends.gate.optimisers import GRADIENT, Found, minimise
 from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.resources import few_threads
 
@@ -89,7 +90,7 @@ class ParameterSearch:
                         budget=self._budget(self.optimizer),
                         rng=np.random.default_rng(stream),
                         turns=objective.turns if self.optimizer == "nft" else None,
-                        interrupted=options.interrupt_function or (lambda: False),
+                        interrupted=options.interrupt_function,
                     )
                 )
         return found

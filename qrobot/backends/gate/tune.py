@@ -16,17 +16,19 @@ from typing import Protocol
 import numpy as np
 
 from qrobot._arrays import Floats
-from qrobot.backends.gate.minimisers import Minimum, bfgs, nelder_mead
+from qrobot.backends.gate.algorithms import bfgs, nelder_mead
+from qrobot.backends.gate.analytic import ramp
+from qrobot.backends.gate.optimisers import Evaluations
 from qrobot.errors import InputError
 
-__all__ = ["SHARPER", "Ansatz", "Tuning", "ramp", "sharpen", "tune"]
+__all__ = ["SHARPER", "Layered", "Tuning", "sharpen", "tune"]
 
 
 SHARPER = (1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 """Shares of the distribution, one after the other, in `sharpen`."""
 
 
-class Ansatz(Protocol):
+class Layered(Protocol):
     """A circuit of layers with two angles each, and what to minimise over them."""
 
     spread: float
@@ -82,47 +84,8 @@ class Tuning:
     history: tuple[float, ...] = field(repr=False, default=())
 
 
-def ramp(layers: int, gamma: float, beta: float) -> tuple[Floats, Floats]:
-    """Return gammas rising towards `gamma` and betas falling from `beta`, shape (layers,)."""
-    at = (np.arange(layers) + 0.5) / layers
-    return gamma * at, beta * (1 - at)
-
-
-class _Search:
-    """Evaluations of one search, counted, in units; the best is kept, whoever asked for it."""
-
-    def __init__(self, ansatz: Ansatz, layers: int, stop: Callable[[], bool] | None) -> None:
-        self.ansatz, self.layers, self.stop = ansatz, layers, stop
-        unit = 1.0 / ansatz.spread if ansatz.spread > 0 else 1.0
-        self.scale = np.concatenate([np.full(layers, unit), np.ones(layers)])
-        self.best = Minimum(np.zeros(2 * layers), float("inf"))
-
-    def value(self, point: Floats) -> float:
-        """Return the objective at gammas and betas."""
-        self._check()
-        angles = point * self.scale
-        found = self.ansatz.value(angles[: self.layers], angles[self.layers :])
-        return self.best.offer(point, found)
-
-    def slope(self, point: Floats) -> tuple[float, Floats]:
-        """Return the objective and its gradient."""
-        self._check()
-        angles = point * self.scale
-        found = self.ansatz.gradient(angles[: self.layers], angles[self.layers :])
-        self.best.offer(point, found[0])
-        return found[0], np.concatenate(found[1:]) * self.scale
-
-    def _check(self) -> None:
-        if self.stop is not None and self.stop():
-            raise _StoppedError
-
-
-class _StoppedError(Exception):
-    """Somebody asked to stop; the best so far is kept."""
-
-
 def tune(
-    ansatz: Ansatz,
+    ansatz: Layered,
     layers: int = 1,
     *,
     evaluations: int = 60,
@@ -154,73 +117,78 @@ def tune(
     """
     if layers < 1:
         raise InputError(f"{layers} layers are too few", field="layers", advice="use 1 or more")
-    began = time.perf_counter()
-    search = _Search(ansatz, layers, stop)
     if start is not None and not len(start[0]) == len(start[1]) == layers:
         raise InputError(
             f"{len(start[0])} gammas and {len(start[1])} betas do not make {layers} layers",
             field="gammas",
             advice="give one of each a layer",
         )
+    began = time.perf_counter()
+    unit = 1.0 / ansatz.spread if ansatz.spread > 0 else 1.0
+    scale = np.concatenate([np.full(layers, unit), np.ones(layers)])
+
+    def value(point: Floats) -> float:
+        angles = point * scale
+        return ansatz.value(angles[:layers], angles[layers:])
+
+    def slope(point: Floats) -> tuple[float, Floats]:
+        angles = point * scale
+        reached, *by_angle = ansatz.gradient(angles[:layers], angles[layers:])
+        return reached, np.concatenate(by_angle) * scale
+
     known = ansatz.guess() if start is None else None
     if start is not None:
-        point = np.concatenate([np.asarray(one, dtype=np.float64) for one in start]) / search.scale
+        point = np.concatenate([np.asarray(one, dtype=np.float64) for one in start]) / scale
     else:
         # Without anything better: a short ramp that is sure to lower the cost a little.
-        gamma, beta = known or (0.5 / ansatz.spread if ansatz.spread > 0 else 0.5, -0.3)
+        gamma, beta = known or (0.5 * unit, -0.3)
         angles = ramp(layers, 2 * gamma, 2 * beta) if layers > 1 else ([gamma], [beta])
-        point = np.concatenate(angles) / search.scale
-    try:
-        if start is None:
-            point = _first(search, known, point, evaluations)
-        left = evaluations - search.best.evaluations
-        if left > 0 and layers > 1 and gradients:
-            bfgs(search.slope, point, budget=left)
-        elif left > 0:
+        point = np.concatenate(angles) / scale
+    with Evaluations(value, point, budget=evaluations, slope=slope, interrupted=stop) as runs:
+        if start is None and not (known is not None and layers == 1):
+            point = _first(ansatz, layers, known, runs)
+        if layers > 1 and gradients:
+            bfgs(runs.slope, point)
+        else:
             steps = np.concatenate([np.full(layers, 0.2), np.full(layers, 0.08)])
-            nelder_mead(search.value, point, steps, budget=left, tolerance=1e-2)
-    except _StoppedError:
-        pass
-    best = search.best
-    angles = (best.point if best.evaluations else point) * search.scale
+            nelder_mead(runs.value, point, steps, tolerance=1e-2)
+    found = runs.found
+    angles = (found.parameters * scale).tolist()
     return Tuning(
-        gammas=tuple(float(a) for a in angles[:layers]),
-        betas=tuple(float(a) for a in angles[layers:]),
-        value=best.value if best.evaluations else float("nan"),
-        evaluations=best.evaluations,
+        gammas=tuple(angles[:layers]),
+        betas=tuple(angles[layers:]),
+        value=found.value if found.history else float("nan"),
+        evaluations=len(found.history),
         seconds=time.perf_counter() - began,
-        history=tuple(best.history),
+        history=tuple(np.minimum.accumulate(found.history).tolist()),
     )
 
 
 def _first(
-    search: _Search, known: tuple[float, float] | None, point: Floats, evaluations: int
+    ansatz: Layered, layers: int, known: tuple[float, float] | None, runs: Evaluations
 ) -> Floats:
-    """Return a first point, in units: the guess, the best of a grid, or the best ramp."""
-    layers, ansatz = search.layers, search.ansatz
-    if evaluations == 0 or (known is not None and layers == 1):
-        return point
+    """Return a first point, in units: the best of a grid, or of ramps around a guess."""
     low, high = ansatz.beta_range
 
     def at(slopes: Floats) -> float:
         gammas, betas = ramp(layers, *slopes) if layers > 1 else (slopes[:1], slopes[1:])
-        return search.value(np.concatenate([gammas, betas]))
+        return runs.value(np.concatenate([gammas, betas]))
 
     if known is not None:
         tried = [(2 * known[0] * ansatz.spread * f, 2 * known[1]) for f in (1.0, 0.5)]
     else:
         tried = [(g, b) for g in (0.5, 1.0, 1.7, 2.5) for b in np.linspace(low, high, 8)[1:-1]]
-    grid = Minimum(np.zeros(2), float("inf"))
-    for one in tried[: max(1, evaluations // 2)]:
-        grid.offer(np.array(one), at(np.array(one)))
-    budget = min(16, evaluations // 4, evaluations - grid.evaluations)
-    if layers > 1 and budget > 0:
-        nelder_mead(at, grid.point, np.array([0.4, 0.2]), budget=budget)
-    return search.best.point.copy()
+    points = np.array(tried[: max(1, runs.budget // 2)])
+    values = [at(point) for point in points]
+    left = min(16, runs.budget // 4, runs.budget - len(points))
+    if layers > 1:
+        with Evaluations(at, points[0], budget=left) as ramps:
+            nelder_mead(ramps.value, points[int(np.argmin(values))], np.array([0.4, 0.2]))
+    return runs.found.parameters.copy()
 
 
 def sharpen(
-    ansatz: Ansatz,
+    ansatz: Layered,
     layers: int,
     *,
     evaluations: int = 60,
