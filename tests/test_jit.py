@@ -72,12 +72,12 @@ def test_without_a_locator_the_cache_moves_or_goes(
 
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 def test_a_full_disk_switches_the_cache_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    from qrobot.backends.gate.state import compiled, sums
+    from qrobot.backends.gate.state import compiled, kernels
 
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(sums, "moments", full)
+    monkeypatch.setattr(kernels, "moments", full)
     monkeypatch.setattr(jit, "caching", True)
     compiled._kernels.cache_clear()
     try:

@@ -9,17 +9,15 @@ import numpy as np
 import pytest
 from oracles import paper_shaped
 
-from qrobot.backends.gate.circuit import Circuit, Gate
+from qrobot.backends.gate.circuit import Circuit, Gate, elementary
 from qrobot.backends.gate.constrained_circuits import (
-    one_hot_circuit,
     subspace_circuit,
     two_level,
 )
-from qrobot.backends.gate.feasible import FeasibleSet, feasible_set, x_label
-from qrobot.backends.gate.lower import elementary
+from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
 from qrobot.backends.gate.qasm import circuit_facts, export_circuit, qasm
 from qrobot.backends.gate.state.general import state
-from qrobot.backends.gate.state.subspace import SubspaceQAOA, one_hot
+from qrobot.backends.gate.state.subspace import SubspaceQAOA
 from qrobot.errors import InputError
 from qrobot.models import build_model
 
@@ -63,18 +61,6 @@ def test_with_slack_the_qubits_are_the_models(
     assert fidelity(within(circuit, plans, slack), expected) > 1 - 1e-9
 
 
-@pytest.mark.parametrize("n", [2, 3])
-def test_one_hot_circuit(n: int) -> None:
-    distances = paper_shaped(n, 1, 1).distances
-    circuit = one_hot_circuit(distances, 20.0, GAMMAS, BETAS)
-    stops = np.indices((n,) * n).reshape(n, -1)
-    indices = [
-        circuit.index(x_label(t + 1, int(stops[t, k]) + 1) for t in range(n)) for k in range(n**n)
-    ]
-    expected = one_hot(distances, 20.0)[0].state(GAMMAS, BETAS)
-    np.testing.assert_allclose(state(circuit)[indices], expected, atol=1e-12)
-
-
 @pytest.mark.parametrize("name", ["rx", "ry"])
 @pytest.mark.parametrize(("a", "b"), [(0b000, 0b111), (0b101, 0b010), (0b110, 0b010)])
 def test_two_levels_turn_alone(a: int, b: int, name: str) -> None:
@@ -98,14 +84,13 @@ def test_mixers_without_a_circuit_are_refused() -> None:
 
 
 def circuits(layers: int = 2) -> list[Circuit]:
-    found = [
+    return [
         subspace_circuit(
             feasible_set(paper_shaped(*case, 0)), mixer, GAMMAS[:layers], BETAS[:layers]
         )
         for case in CASES
         for mixer in ("swap", "grover")
     ]
-    return [*found, one_hot_circuit(paper_shaped(2, 1, 1).distances, 20.0, GAMMAS, BETAS)]
 
 
 def test_qiskit_has_the_same_state() -> None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from qrobot.backends.gate.circuit import Circuit, Gate
-from qrobot.backends.gate.lower import lowered
+from qrobot.backends.gate.circuit import Circuit, Gate, lowered
 from qrobot.backends.gate.state.general import state
 
 ALLOWED = {("x", 1), ("x", 2), ("phase", 1), ("swap", 1)}

@@ -8,8 +8,16 @@ from oracles import paper_shaped
 
 from qrobot.backends.gate import resources
 from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
-from qrobot.backends.gate.mixers import GroverMixer, Mixer, OneHotMixer, SwapMixer, transpositions
-from qrobot.backends.gate.state.subspace import SubspaceQAOA, expected_best, one_hot
+from qrobot.backends.gate.state.subspace import (
+    GroverMixer,
+    Mixer,
+    OneHotMixer,
+    SubspaceQAOA,
+    SwapMixer,
+    expected_best,
+    one_hot,
+    transpositions,
+)
 from qrobot.errors import BackendError, InputError
 
 GAMMAS, BETAS = np.array([0.02, 0.05]), np.array([-0.8, 0.6])

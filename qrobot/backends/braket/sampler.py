@@ -17,12 +17,11 @@ from qrobot.backends.braket.devices import arn_of
 from qrobot.backends.braket.session import check_status, open_device
 from qrobot.backends.braket.tasks import TaskEngine, check_fit
 from qrobot.backends.gate.ansatz import Ansatz
-from qrobot.backends.gate.circuit import TURNING, Circuit
+from qrobot.backends.gate.circuit import TURNING, Circuit, lowered
 from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.gate.form import terms
-from qrobot.backends.gate.lower import lowered
-from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.sampler import VariationalSampler
+from qrobot.backends.gate.search import Options
 from qrobot.backends.sampler import Parameter
 from qrobot.errors import InputError
 from qrobot.jobs import JobOptions

@@ -9,7 +9,7 @@ from qrobot._arrays import Floats
 from qrobot.backends.braket.jobs import BraketTasks
 from qrobot.backends.braket.session import TITLE, properties_of
 from qrobot.backends.gate.circuit import Circuit
-from qrobot.backends.gate.remote import JobEngine
+from qrobot.backends.gate.engine import JobEngine
 from qrobot.errors import BackendError, InputError
 from qrobot.jobs import Estimate, by_shots, by_time, device_price, price
 from qrobot.jobs.cost import price_source

@@ -7,15 +7,14 @@ samplers in the folders of the vendors build on `VariationalSampler`.
 from qrobot.backends.gate.analytic import ramp
 from qrobot.backends.gate.ansatz import Ansatz, make_ansatz
 from qrobot.backends.gate.circuit import Circuit, Gate
-from qrobot.backends.gate.constrained_circuits import one_hot_circuit, subspace_circuit
+from qrobot.backends.gate.constrained_circuits import subspace_circuit
 from qrobot.backends.gate.counting import Spectrum, spectrum
-from qrobot.backends.gate.engine import Engine, StateEngine
+from qrobot.backends.gate.engine import Engine, JobEngine, RemoteEngine, StateEngine
 from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
 from qrobot.backends.gate.form import Form, Term, bits_of, diagonal, terms
-from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.qasm import CircuitFacts, circuit_facts, qasm
-from qrobot.backends.gate.remote import JobEngine, RemoteEngine
 from qrobot.backends.gate.sampler import VariationalSampler
+from qrobot.backends.gate.search import Options
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
 from qrobot.backends.gate.state.subspace import SubspaceQAOA, expected_best, one_hot
 from qrobot.backends.gate.tune import Tuning, sharpen, tune
@@ -45,7 +44,6 @@ __all__ = [
     "feasible_set",
     "make_ansatz",
     "one_hot",
-    "one_hot_circuit",
     "qasm",
     "ramp",
     "sharpen",

@@ -3,11 +3,19 @@
 Rotations are exp(-i angle P / 2) with P one of X, Y, Z or ZZ; ``phase`` is diag(1, exp(i angle)).
 An angle is fixed, or ``scale * parameters[slot]``: several gates may share a parameter. Qubit k is
 variable k, and bit k of a state's index.
+
+`lowered` and `elementary` write the same circuit in gates that every device and simulator has.
+Control modifiers are not taken by managed Braket devices, and Braket's local simulator (1.41)
+silently drops some of them: a controlled rotation whose control lies inside the register writes
+into a copy. So many controls are taken apart here: A. Barenco et al., "Elementary gates for
+quantum computation", Physical Review A 52 (1995) 3457, lemmas 7.2, 7.3 and 7.5. The number of
+gates grows with the square of the number of controls, and no qubit is added.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,7 +24,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats
 
-__all__ = ["TURNING", "Circuit", "Gate"]
+__all__ = ["TURNING", "Circuit", "Gate", "elementary", "lowered"]
 
 
 TURNING = ("rx", "ry", "rz", "rzz", "phase")
@@ -117,3 +125,124 @@ class Circuit:
         """Return the index of the basis state in which exactly these labels are 1."""
         at = {label: k for k, label in enumerate(self.labels)}
         return sum(1 << at[label] for label in ones)
+
+
+def lowered(circuit: Circuit) -> Circuit:
+    """Return the same circuit with at most these controls, all on 1.
+
+    One control on ``x`` (CNOT), ``phase`` and ``swap``, two on ``x`` (Toffoli), none elsewhere.
+    """
+    made: list[Gate] = []
+    for gate in circuit.gates:
+        zeros = [
+            Gate("x", (q,))
+            for q, value in zip(gate.controls, gate.control_values, strict=True)
+            if not value
+        ]
+        made += [*zeros, *_without_controls(gate), *zeros]
+    return replace(circuit, gates=tuple(made))
+
+
+def elementary(circuit: Circuit) -> Circuit:
+    """Return the same circuit with gates of one and two qubits alone.
+
+    What is left: gates without controls, and ``x`` (CNOT) and ``phase`` with one control.
+    """
+    made: list[Gate] = []
+    for gate in lowered(circuit).gates:
+        if gate.name == "swap" and gate.controls:
+            first, second = gate.qubits
+            between = Gate("x", (first,), controls=(second,))
+            made += [between, *_toffoli((*gate.controls, first), second), between]
+        elif len(gate.controls) == 2:
+            made += _toffoli(gate.controls, gate.qubits[0])
+        else:
+            made.append(gate)
+    return replace(circuit, gates=tuple(made))
+
+
+def _toffoli(controls: Sequence[int], target: int) -> list[Gate]:
+    """Return a flip with two controls as six CNOTs and eighths of a turn (Barenco et al., 6)."""
+    a, b = controls
+
+    def flip(control: int, to: int) -> Gate:
+        return Gate("x", (to,), controls=(control,))
+
+    def turn(qubit: int, sign: int = 1) -> Gate:
+        return Gate("phase", (qubit,), angle=sign * math.pi / 4)
+
+    h = Gate("h", (target,))
+    return [
+        *(h, flip(b, target), turn(target, -1), flip(a, target), turn(target)),
+        *(flip(b, target), turn(target, -1), flip(a, target), turn(b), turn(target), h),
+        *(flip(a, b), turn(a), turn(b, -1), flip(a, b)),
+    ]
+
+
+def _without_controls(gate: Gate) -> list[Gate]:
+    """Return one gate taken apart; its controls count as being on 1."""
+    controls, (*others, target) = gate.controls, gate.qubits
+    if not controls:
+        return [gate]
+    if gate.name == "x":
+        return _flip(controls, target)
+    if gate.name == "phase":
+        return _turn(controls, target, replace(gate, controls=(), values=()))
+    if gate.name == "swap":
+        (other,) = others
+        if len(controls) == 1:
+            return [Gate("swap", (other, target), controls=controls)]
+        between = Gate("x", (other,), controls=(target,))
+        return [between, *_flip((*controls, other), target), between]
+    # A rotation by half, a flip, half back, a flip: nothing without the flips, all with them.
+    if gate.name not in ("rx", "ry", "rz"):
+        raise ValueError(f"a controlled {gate.name} has no form here")
+    around = [Gate("h", (target,))] if gate.name == "rx" else []
+    half = replace(gate, name="rz" if around else gate.name, controls=(), values=()).times(0.5)
+    flip = _flip(controls, target)
+    return [*around, half, *flip, half.inverse(), *flip, *around]
+
+
+def _turn(controls: tuple[int, ...], target: int, phase: Gate) -> list[Gate]:
+    """Return a controlled phase: lemma 7.5, the target lent to the inner flips."""
+    gates: list[Gate] = []
+    while len(controls) > 1:
+        *rest, last = controls
+        flip = _flip(tuple(rest), last, lent=(target,))
+        phase = phase.times(0.5)
+        half = replace(phase, controls=(last,))
+        gates += [half, *flip, half.inverse(), *flip]
+        controls = tuple(rest)
+    return [*gates, replace(phase, controls=controls)]
+
+
+def _flip(controls: tuple[int, ...], target: int, lent: tuple[int, ...] = ()) -> list[Gate]:
+    """Return a controlled flip; `lent` qubits may be in any state and get it back."""
+    count = len(controls)
+    if count <= 2:
+        return [Gate("x", (target,), controls=controls)]
+    if not lent:  # nothing to lend: as a phase between two changes of basis
+        h = Gate("h", (target,))
+        return [h, *_turn(controls, target, Gate("phase", (target,), angle=math.pi)), h]
+    if len(lent) >= count - 2:
+        return _ladder(controls, target, lent)
+    # Lemma 7.3: two halves over one lent qubit, each lends its own qubits to the other.
+    half = -(-count // 2)
+    first, second, middle = controls[:half], controls[half:], lent[0]
+    up = _flip(first, middle, (*second, target))
+    down = _flip((*second, middle), target, first)
+    return [*up, *down, *up, *down]
+
+
+def _ladder(controls: tuple[int, ...], target: int, lent: tuple[int, ...]) -> list[Gate]:
+    """Return a flip with a lent qubit a control but two: lemma 7.2, a Toffoli a step."""
+    count = len(controls)
+    chain = [*lent[: count - 2], target]
+    down = [
+        Gate("x", (chain[k],), controls=(controls[k + 1], chain[k - 1]))
+        for k in range(count - 2, 0, -1)
+    ]
+    turn = Gate("x", (chain[0],), controls=(controls[0], controls[1]))
+    once = [*down, turn, *reversed(down)]
+    inner = [*down[1:], turn, *reversed(down[1:])]
+    return [*once, *inner]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -18,11 +18,10 @@ import numpy.typing as npt
 from qrobot._arrays import Floats
 from qrobot.backends.gate.circuit import Circuit, Gate
 from qrobot.backends.gate.feasible import FeasibleSet, slack_label, x_label
-from qrobot.backends.gate.mixers import OneHotMixer, transpositions
-from qrobot.errors import InputError
+from qrobot.backends.gate.state.subspace import check_mixer, transpositions
 from qrobot.models.slack import Slack, slack_coefficients
 
-__all__ = ["one_hot_circuit", "subspace_circuit", "two_level"]
+__all__ = ["subspace_circuit", "two_level"]
 
 
 def subspace_circuit(
@@ -46,10 +45,7 @@ def subspace_circuit(
     slack
         Kind of the model's slack; ``None`` leaves the slack qubits out.
     """
-    if mixer not in ("swap", "swap-all", "grover"):
-        raise InputError(
-            f"{mixer!r} is not a mixer", field="mixer", advice="use swap, swap-all or grover"
-        )
+    check_mixer(mixer)
     instance = feasible.instance
     n, robots = instance.size, len(feasible.capacities)
     labels = [
@@ -85,37 +81,6 @@ def subspace_circuit(
             for a, b in pairs:
                 gates += _exchange_plans(strings, feasible.swapped(a, b), beta)
     return Circuit(len(labels), tuple(gates), labels=tuple(labels))
-
-
-def one_hot_circuit(
-    distances: Floats, penalty: float, gammas: Sequence[float], betas: Sequence[float]
-) -> Circuit:
-    """Return the circuit of `one_hot`: a W state and an XY ring a step, visits by penalty."""
-    n = len(distances) - 1
-    labels = tuple(x_label(t, i) for t in range(1, n + 1) for i in range(1, n + 1))
-    at = {label: k for k, label in enumerate(labels)}
-    rows = [[at[x_label(t, i)] for i in range(1, n + 1)] for t in range(1, n + 1)]
-    gates = [gate for row in rows for gate in _w_state(row)]
-    for gamma, beta in zip(gammas, betas, strict=True):
-        gates += _distance_phase(distances, at, n, 1, gamma)
-        for column in zip(*rows, strict=True):  # penalty (sum - 1)^2 = 1 - sum + 2 sum of pairs
-            gates += [Gate("phase", (q,), angle=gamma * penalty) for q in column]
-            gates += [
-                Gate("phase", (b,), angle=-2 * gamma * penalty, controls=(a,))
-                for a, b in combinations(column, 2)
-            ]
-        # The constant of the penalty is a global phase: kept, so that amplitudes are equal.
-        gates += _global_phase(rows[0][0], -gamma * penalty * n)
-        for row in rows:
-            for a, b in OneHotMixer.pairs(n):
-                u, v = row[a], row[b]
-                flip = Gate("x", (v,), controls=(u,))
-                gates += [flip, Gate("rx", (u,), angle=2 * beta, controls=(v,)), flip]
-    return Circuit(len(labels), tuple(gates), labels=labels)
-
-
-def _global_phase(qubit: int, angle: float) -> list[Gate]:
-    return 2 * [Gate("phase", (qubit,), angle=angle), Gate("x", (qubit,))]
 
 
 def _w_state(row: Sequence[int]) -> list[Gate]:
@@ -189,10 +154,15 @@ def _distance_phase(d: Floats, at: dict[str, int], n: int, robots: int, gamma: f
 def _grover(start: Sequence[Gate], qubits: int, beta: float) -> list[Gate]:
     """Return exp(-i beta |s><s|): undo the start, turn |0..0>, start again."""
     back = [gate.inverse() for gate in reversed(start)]
-    flip = Gate("x", (0,))
-    others = tuple(range(1, qubits))
-    turn = Gate("phase", (0,), angle=-beta, controls=others, values=(0,) * len(others))
-    return [*back, flip, turn, flip, *start]
+    return [*back, *_basis_phase(dict.fromkeys(range(qubits), 0), -beta), *start]
+
+
+def _basis_phase(state: Mapping[int, int], angle: float) -> list[Gate]:
+    """Return a phase on one basis state alone."""
+    others = tuple(q for q in state if q != 0)
+    values = tuple(state[q] for q in others)
+    flip = [] if state[0] else [Gate("x", (0,))]
+    return [*flip, Gate("phase", (0,), angle=angle, controls=others, values=values), *flip]
 
 
 def _exchange_steps(
@@ -217,12 +187,7 @@ def _exchange_plans(
         if k < other:
             gates += two_level(strings[k], strings[other], "rx", 2 * beta)
         elif k == other:
-            alone = strings[k]
-            others = tuple(q for q in alone if q != 0)
-            values = tuple(alone[q] for q in others)
-            turn = Gate("phase", (0,), angle=-beta, controls=others, values=values)
-            flip = [] if alone[0] else [Gate("x", (0,))]
-            gates += [*flip, turn, *flip]
+            gates += _basis_phase(strings[k], -beta)
     return gates
 
 

@@ -19,8 +19,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats, Ints
 from qrobot.backends.gate import resources
-from qrobot.backends.gate.mixers import GroverMixer
-from qrobot.backends.gate.state.subspace import SubspaceQAOA
+from qrobot.backends.gate.state.subspace import GroverMixer, SubspaceQAOA
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.models.fleet import fleet_of
 from qrobot.problem import Instance

@@ -21,7 +21,7 @@ from qrobot.backends.gate.resources import aligned
 from qrobot.backends.sampler import check_finite
 from qrobot.models.ising import ising_of, to_ising
 
-__all__ = ["Form", "Term", "bits_of", "diagonal", "terms"]
+__all__ = ["Form", "Term", "below", "bits_of", "diagonal", "tail", "terms"]
 
 
 LOW_BITS = 15
@@ -169,4 +169,33 @@ def terms(bqm: Any) -> list[Term]:
     found += [Term(float(h), (i,)) for i, h in enumerate(gate.h) if h]
     pairs = zip(gate.rows, gate.columns, gate.J, strict=True)
     found += [Term(float(J), (min(int(i), int(j)), max(int(i), int(j)))) for i, j, J in pairs if J]
+    return found
+
+
+def tail(energies: Floats, probabilities: Floats, alpha: float) -> tuple[float, float]:
+    """Return the mean of the lowest `alpha` of a distribution, and the energy where that ends.
+
+    Parameters
+    ----------
+    energies, probabilities
+        Of all states, in the sequence of rising energy.
+    alpha
+        Share of the distribution.
+    """
+    upto = np.cumsum(probabilities)
+    share = alpha * float(upto[-1])
+    cut = min(int(np.searchsorted(upto, share)), upto.size - 1)
+    before = float(upto[cut - 1]) if cut else 0.0
+    end = float(energies[cut])
+    return (float(probabilities[:cut] @ energies[:cut]) + (share - before) * end) / share, end
+
+
+def below(energies: Floats, end: float, alpha: float) -> Floats:
+    """Return the diagonal whose mean has value and derivatives of the tail that ends at `end`.
+
+    The tail's mean is the maximum over t of t - <(t - E)+> / alpha (R. T. Rockafellar and
+    S. Uryasev, Journal of Risk 2 (2000) 21), so at a fixed distribution its slope is that with t
+    held.
+    """
+    found: Floats = end + np.minimum(energies - end, 0.0) / alpha
     return found

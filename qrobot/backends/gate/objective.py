@@ -16,7 +16,7 @@ from qrobot._arrays import Floats
 from qrobot.backends.gate.algorithms import Turns
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, shift
-from qrobot.backends.gate.form import Form
+from qrobot.backends.gate.form import Form, below, tail
 
 __all__ = ["ExactObjective", "Objective", "ShotObjective", "Tail", "tail_of_samples"]
 
@@ -42,16 +42,12 @@ class Tail:
         return mean / float(probabilities.sum())
 
     def weights(self, probabilities: Floats) -> Floats:
-        """Return the diagonal whose mean has the objective's value and derivatives here.
-
-        CVaR is the maximum over t of t - <(t - E)+> / alpha (R. T. Rockafellar and S. Uryasev,
-        Journal of Risk 2 (2000) 21), so at a fixed distribution its slope is that with t held.
-        """
+        """Return the diagonal whose mean has the objective's value and derivatives here."""
         if self._order is None:
             return self.energies
         upto = np.cumsum(probabilities[self._order])
         at = min(int(np.searchsorted(upto, self.alpha * upto[-1])), upto.size - 1)
-        return _below(self.energies, float(self.energies[self._order[at]]), self.alpha)
+        return below(self.energies, float(self.energies[self._order[at]]), self.alpha)
 
 
 def tail_of_samples(energies: Floats, alpha: float) -> tuple[float, float]:
@@ -59,11 +55,6 @@ def tail_of_samples(energies: Floats, alpha: float) -> tuple[float, float]:
     count = max(1, int(np.ceil(alpha * energies.size)))
     lowest = np.partition(energies, count - 1)[:count]
     return float(lowest.mean()), float(lowest.max())
-
-
-def _below(energies: Floats, end: float, alpha: float) -> Floats:
-    found: Floats = end + np.minimum(energies - end, 0.0) / alpha
-    return found
 
 
 class Objective(Protocol):
@@ -136,12 +127,7 @@ class _SortedTail:
     def of(self, distribution: Floats) -> float:
         if self.alpha == 1.0:
             return float(distribution @ self._energies) / float(distribution.sum())
-        upto = np.cumsum(distribution)
-        share = self.alpha * float(upto[-1])
-        end = min(int(np.searchsorted(upto, share)), upto.size - 1)
-        whole = float(distribution[:end] @ self._energies[:end])
-        before = float(upto[end - 1]) if end else 0.0
-        return (whole + (share - before) * float(self._energies[end])) / share
+        return tail(self._energies, distribution, self.alpha)[0]
 
 
 def _scales(circuit: Circuit) -> Floats | None:
@@ -196,7 +182,7 @@ class ShotObjective:
 
         def mean(at: Floats) -> float:
             energies = self._energies(at)
-            kept = energies if self.alpha == 1.0 else _below(energies, end, self.alpha)
+            kept = energies if self.alpha == 1.0 else below(energies, end, self.alpha)
             return float(kept.mean())
 
         return value, circuit.pull_back(shift(mean, angles))

@@ -13,16 +13,15 @@ from typing import Any
 import numpy as np
 
 from qrobot._files import write_text_atomic
-from qrobot.backends.gate.circuit import TURNING, Circuit, Gate
+from qrobot.backends.gate.circuit import TURNING, Circuit, Gate, elementary
 from qrobot.backends.gate.constrained_circuits import subspace_circuit
 from qrobot.backends.gate.feasible import feasible_set
-from qrobot.backends.gate.lower import elementary
-from qrobot.backends.gate.state.subspace import SubspaceQAOA
+from qrobot.backends.gate.state.subspace import SubspaceQAOA, check_mixer
 from qrobot.backends.gate.tune import sharpen
 from qrobot.errors import InputError
 from qrobot.problem import Instance
 
-__all__ = ["MIXERS", "CircuitFacts", "circuit_facts", "export_circuit", "qasm"]
+__all__ = ["CircuitFacts", "circuit_facts", "export_circuit", "qasm"]
 
 
 NAMES = {"phase": "p"}
@@ -97,8 +96,6 @@ def _statements(gate: Gate) -> list[str]:
     return [f"{name}{angle} {', '.join(qubits)};"]
 
 
-MIXERS = ("swap", "swap-all", "grover")
-
 EVALUATIONS = 200
 """Of the search for angles; each is one exact state among the plans."""
 
@@ -135,10 +132,7 @@ def export_circuit(
     BackendError
         When there are too many plans.
     """
-    if mixer not in MIXERS:
-        raise InputError(
-            f"{mixer!r} is not a mixer", field="mixer", advice=f"use one of {', '.join(MIXERS)}"
-        )
+    check_mixer(mixer)
     if layers < 1:
         raise InputError(f"{layers} layers are too few", field="layers", advice="use 1 or more")
     plans = feasible_set(instance)

@@ -13,12 +13,10 @@ import numpy as np
 from qrobot.backends.base import Capabilities
 from qrobot.backends.gate import resources
 from qrobot.backends.gate.ansatz import Ansatz, make_ansatz
-from qrobot.backends.gate.engine import Engine, PlainEngine, StateEngine, room
+from qrobot.backends.gate.engine import Engine, PlainEngine, RemoteEngine, StateEngine, room
 from qrobot.backends.gate.form import Form, terms
-from qrobot.backends.gate.options import SEARCH, Options
-from qrobot.backends.gate.remote import RemoteEngine
 from qrobot.backends.gate.resources import few_threads
-from qrobot.backends.gate.search import ParameterSearch, facts_of, ground, lengths
+from qrobot.backends.gate.search import SEARCH, Options, ParameterSearch, facts_of, ground, lengths
 from qrobot.backends.sampler import (
     Parameter,
     PickingSampler,

@@ -11,9 +11,8 @@ from qrobot._arrays import Floats
 from qrobot.backends.braket.devices import arn_of
 from qrobot.backends.braket.session import TITLE, check_credentials
 from qrobot.backends.gate.circuit import Circuit
-from qrobot.backends.gate.engine import Engine
-from qrobot.backends.gate.options import Options
-from qrobot.backends.gate.remote import RemoteEngine
+from qrobot.backends.gate.engine import Engine, RemoteEngine
+from qrobot.backends.gate.search import Options
 from qrobot.errors import InputError
 from qrobot.jobs import Estimate, JobOptions, redact_data, with_retries
 

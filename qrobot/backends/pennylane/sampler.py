@@ -16,8 +16,8 @@ from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.gate.form import terms
-from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.sampler import VariationalSampler
+from qrobot.backends.gate.search import Options
 from qrobot.backends.pennylane.remote import PluginEngine, admitted, is_local, limited
 from qrobot.backends.sampler import Parameter
 from qrobot.errors import InputError, MissingExtraError

@@ -11,8 +11,7 @@ import numpy as np
 from qrobot._arrays import Bits, Floats
 from qrobot._extras import load
 from qrobot.backends.gate.circuit import Circuit
-from qrobot.backends.gate.engine import Engine, attempt
-from qrobot.backends.gate.remote import JobEngine
+from qrobot.backends.gate.engine import Engine, JobEngine, attempt
 from qrobot.backends.qiskit.account import TITLE, machine
 from qrobot.backends.qiskit.jobs import RuntimeJobs
 from qrobot.errors import BackendError, InputError

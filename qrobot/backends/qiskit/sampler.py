@@ -16,9 +16,9 @@ from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import TURNING, Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, room
 from qrobot.backends.gate.form import terms
-from qrobot.backends.gate.options import Options
 from qrobot.backends.gate.resources import PARALLEL
 from qrobot.backends.gate.sampler import VariationalSampler
+from qrobot.backends.gate.search import Options
 from qrobot.backends.qiskit.runtime import (
     Measured,
     RuntimeEngine,

@@ -68,21 +68,20 @@ def constants(gamma: float, qubits: int, dtype: np.dtype[Any]) -> Reals:
 
 
 @cache
-def _kernels() -> tuple[Any, Any]:
+def _kernels() -> Any:
     """Import the kernels and compile one, so that a cache without room is found here."""
-    names = ("qrobot.backends.gate.state.kernels", "qrobot.backends.gate.state.sums")
-    kernels, sums = (importlib.import_module(name) for name in names)
+    kernels = importlib.import_module("qrobot.backends.gate.state.kernels")
     one = np.zeros(2)
     try:
-        sums.moments(one, one, one, 0, 2)
+        kernels.moments(one, one, one, 0, 2)
     except OSError:
         jit.caching = False
-        kernels, sums = importlib.reload(kernels), importlib.reload(sums)
-    return kernels, sums
+        kernels = importlib.reload(kernels)
+    return kernels
 
 
 class CompiledEngine:
-    """Kernels of `kernels` and `sums` on plain threads (they release the interpreter's lock).
+    """Kernels of `kernels` on plain threads (they release the interpreter's lock).
 
     Parameters
     ----------
@@ -94,7 +93,7 @@ class CompiledEngine:
 
     def __init__(self, threads: int = 1) -> None:
         self.threads = threads
-        self._kernels, self._sums = _kernels()
+        self._kernels = _kernels()
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
     def begin(self, re: Reals, im: Reals, diagonal: Reals, gamma: float, beta: float) -> None:
@@ -116,7 +115,7 @@ class CompiledEngine:
 
     def overlap(self, lr: Reals, li: Reals, re: Reals, im: Reals) -> float:
         """Return the imaginary part of <l| X_0 + .. + X_(n-1) |state>."""
-        how, sums = passes(_qubits(re), re.itemsize), self._sums
+        how, sums = passes(_qubits(re), re.itemsize), self._kernels
         parts = self._spread(
             lambda a, b: sums.low_overlap(lr, li, re, im, how.low, a, b),
             re.size >> how.low,
@@ -133,7 +132,7 @@ class CompiledEngine:
 
     def moments(self, re: Reals, im: Reals, diagonal: Reals) -> tuple[float, float]:
         """Return the sums of probability, and of probability times D."""
-        run = self._sums.moments
+        run = self._kernels.moments
         parts = self._spread(lambda a, b: run(re, im, diagonal, a, b), re.size, re.size)
         return math.fsum(p[0] for p in parts), math.fsum(p[1] for p in parts)
 
@@ -141,7 +140,7 @@ class CompiledEngine:
         self, re: Reals, im: Reals, diagonal: Reals, lowest: float, width: float, bins: int
     ) -> tuple[Floats, Floats]:
         """Return probability, and probability times D, in bins of D that start at `lowest`."""
-        run, scale = self._sums.histogram, 1.0 / width
+        run, scale = self._kernels.histogram, 1.0 / width
 
         def part(a: int, b: int) -> tuple[Floats, Floats]:
             mass, energy = np.zeros(bins), np.zeros(bins)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from qrobot._arrays import Floats, Reals
 from qrobot._machine import available_memory
 from qrobot.backends.gate import analytic, resources
-from qrobot.backends.gate.form import Form, bits_of, diagonal
+from qrobot.backends.gate.form import Form, below, bits_of, diagonal
 from qrobot.backends.gate.state.engine import make_engine
 from qrobot.errors import BackendError, InputError
 
@@ -217,16 +217,15 @@ class DiagonalQAOA:
     def gradient(self, gammas: Floats, betas: Floats) -> tuple[float, Floats, Floats]:
         """Return the objective and its derivatives, by one run forward and one backward.
 
-        Adjoint differentiation: T. Jones and J. Gacon, arXiv:2009.02823 (2020). The tail's mean
-        is the maximum over t of t - <(t - D)+> / alpha, so its derivative is that of an
-        expectation with t held at the tail's end. The state is used up.
+        Adjoint differentiation: T. Jones and J. Gacon, arXiv:2009.02823 (2020). The state is
+        used up.
         """
         value = self.value(gammas, betas)
         self._require(4, "the second state for a gradient")
         weight = self.diagonal
         if self.alpha < 1.0:
-            end = self.dtype.type(self._tail(self.alpha)[1])
-            weight = end - np.maximum(end - self.diagonal, 0) / self.dtype.type(self.alpha)
+            end, alpha = self._tail(self.alpha)[1], self.alpha
+            weight = below(self.diagonal, self.dtype.type(end), self.dtype.type(alpha))
         lr, li = resources.pair(self.re.size, self.dtype)
         np.multiply(weight, self.re, out=lr)
         np.multiply(weight, self.im, out=li)

@@ -1,4 +1,4 @@
-"""The compiled layer of the diagonal simulator. Importing this module imports numba.
+"""The compiled kernels of the diagonal simulator. Importing this module imports numba.
 
 A state is two arrays, real and imaginary parts, so that every loop is plain real arithmetic on
 contiguous memory and the compiler uses the widest vectors of the processor. One pass over
@@ -7,17 +7,28 @@ more pass (two beyond 24 qubits) applies the mixers of the high qubits to tiles 
 columns. Functions that call each other are in one file: numba's cache looks at its date only.
 
 The mixer of one qubit is exp(-i beta X): with c = cos beta and s = sin beta it takes (u, v) to
-(c u - i s v, c v - i s u).
+(c u - i s v, c v - i s u). All sums are taken in float64, whatever the state's precision.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from qrobot._arrays import Reals
 from qrobot._jit import compile_kernel
 
-__all__ = ["first_pass", "high_pass", "low_pass"]
+__all__ = [
+    "first_pass",
+    "high_overlap",
+    "high_pass",
+    "histogram",
+    "low_overlap",
+    "low_pass",
+    "moments",
+]
 
 
 def _two(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
@@ -198,3 +209,94 @@ def _high_pass(
 first_pass = compile_kernel(_first_pass)
 low_pass = compile_kernel(_low_pass)
 high_pass = compile_kernel(_high_pass)
+
+
+def _moments(re: Reals, im: Reals, diagonal: Reals, a: int, b: int) -> tuple[float, float]:
+    """Return the sums of probability, and of probability times energy, of a..b."""
+    mass, energy = 0.0, 0.0
+    for start in range(a, b, 1024):
+        part, weighted = 0.0, 0.0
+        for j in range(start, min(start + 1024, b)):
+            r, i = np.float64(re[j]), np.float64(im[j])
+            p = r * r + i * i
+            part += p
+            weighted += p * np.float64(diagonal[j])
+        mass += part
+        energy += weighted
+    return mass, energy
+
+
+def _histogram(
+    re: Reals,
+    im: Reals,
+    diagonal: Reals,
+    lowest: float,
+    scale: float,
+    mass: npt.NDArray[np.float64],
+    energy: npt.NDArray[np.float64],
+    a: int,
+    b: int,
+) -> None:
+    """Add probability, and probability times energy, to bins of equal width."""
+    last = mass.shape[0] - 1
+    for j in range(a, b):
+        r, i, e = np.float64(re[j]), np.float64(im[j]), np.float64(diagonal[j])
+        p = r * r + i * i
+        k = min(max(int((e - lowest) * scale), 0), last)
+        mass[k] += p
+        energy[k] += p * e
+
+
+def _overlap(lr: Reals, li: Reals, re: Reals, im: Reals, h: int) -> float:
+    """Return the imaginary part of <l| sum of X |state> over strides `h` and above."""
+    total, size = 0.0, re.shape[0]
+    while 2 * h <= size:
+        for o in range(0, size, 2 * h):
+            m, e = o + h, o + 2 * h
+            lr0, li0, r0, i0 = lr[o:m], li[o:m], re[o:m], im[o:m]
+            lr1, li1, r1, i1 = lr[m:e], li[m:e], re[m:e], im[m:e]
+            part = 0.0
+            for j in range(h):
+                part += np.float64(
+                    lr0[j] * i1[j] - li0[j] * r1[j] + lr1[j] * i0[j] - li1[j] * r0[j]
+                )
+            total += part
+        h *= 2
+    return total
+
+
+overlap = compile_kernel(_overlap, sums=True)
+
+
+def _low_overlap(lr: Reals, li: Reals, re: Reals, im: Reals, bits: int, a: int, b: int) -> float:
+    """Return the overlap over the low qubits of blocks a..b."""
+    total = 0.0
+    for block in range(a, b):
+        o, e = block << bits, (block + 1) << bits
+        total += overlap(lr[o:e], li[o:e], re[o:e], im[o:e], 1)
+    return total
+
+
+def _high_overlap(
+    lr: Reals, li: Reals, re: Reals, im: Reals, low: int, bits: int, width: int, a: int, b: int
+) -> float:
+    """Return the overlap over qubits low .. low + bits - 1 of tiles a..b."""
+    rows, per = 1 << bits, (1 << low) // width
+    tiles = np.empty((4, rows * width), re.dtype)
+    total = 0.0
+    for tile in range(a, b):
+        start = ((tile // per) << (low + bits)) + (tile % per) * width
+        for row in range(rows):
+            o, at = start + (row << low), row * width
+            tiles[0, at : at + width] = lr[o : o + width]
+            tiles[1, at : at + width] = li[o : o + width]
+            tiles[2, at : at + width] = re[o : o + width]
+            tiles[3, at : at + width] = im[o : o + width]
+        total += overlap(tiles[0], tiles[1], tiles[2], tiles[3], width)
+    return total
+
+
+moments = compile_kernel(_moments, sums=True)
+histogram = compile_kernel(_histogram)
+low_overlap = compile_kernel(_low_overlap)
+high_overlap = compile_kernel(_high_overlap)
