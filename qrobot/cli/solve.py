@@ -167,11 +167,14 @@ def command(
                 useless = {
                     "--output": output, "--picture": picture, "--control": control,
                     "--fallback": fallback, "--deadline": deadline,
-                    # A job that is fetched later is judged by its distance.
-                    "--objective": no_wait and objective != "distance",
                 }  # fmt: skip
                 _refuse("--dry-run" if dry_run else "--no-wait", useless)
-                _only(dry_run, question, backend, seed, max_cost, max_work, options, as_json)
+                asked = {"seed": seed, **options}
+                if dry_run:
+                    _estimate(question, backend, max_cost, as_json, max_work=max_work, **asked)
+                else:
+                    asked |= {"max_cost": max_cost, "objective": objective}
+                    _hand_over(question, backend, as_json, **asked)
                 return
             try:
                 result = solve(
@@ -256,32 +259,28 @@ def _refuse(flag: str, options: dict[str, Any]) -> None:
             raise InputError(f"{flag} makes no plan yet", field=name, advice="leave it out")
 
 
-def _only(
-    dry_run: bool,
-    question: Any,
-    backend: str,
-    seed: int,
-    max_cost: float | None,
-    max_work: int | None,
-    options: dict[str, Any],
-    as_json: bool,
+def _estimate(
+    question: Any, backend: str, max_cost: float | None, as_json: bool, **asked: Any
 ) -> None:
-    """Tell the cost, or hand the job over, and leave."""
+    """Say what a remote job would cost."""
     from qrobot.jobs import check_budget
-    from qrobot.planning import estimate, submit
+    from qrobot.planning import estimate
 
-    if dry_run:
-        cost = estimate(question, backend, seed=seed, max_work=max_work, **options)
-        check_budget(cost, max_cost)
-        plain = {"backend": backend, "submitted": False, "estimate": cost.to_dict()}
-        text = f"{backend} would cost {cost}; nothing was submitted"
-    else:
-        plain = submit(question, backend, seed=seed, max_cost=max_cost, **options)
-        text = (
-            f"job {plain['id']} is {plain['state']}; "
-            f"'qrobot jobs fetch {plain['id']} --plan plan.json' makes a plan of it"
-        )
+    cost = estimate(question, backend, **asked)
+    check_budget(cost, max_cost)
     if as_json:
-        say_json(plain)
+        say_json({"backend": backend, "submitted": False, "estimate": cost.to_dict()})
     else:
-        say(text)
+        say(f"{backend} would cost {cost}; nothing was submitted")
+
+
+def _hand_over(question: Any, backend: str, as_json: bool, **asked: Any) -> None:
+    """Submit a remote job, and say how its plan is fetched."""
+    from qrobot.planning import submit
+
+    job = submit(question, backend, **asked)
+    if as_json:
+        say_json(job)
+    else:
+        fetch = f"qrobot jobs fetch {job['id']} --plan plan.json"
+        say(f"job {job['id']} is {job['state']}; '{fetch}' makes a plan of it")

@@ -12,8 +12,7 @@ from typing import Any, TypeVar
 from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
 from qrobot.errors import InputError
-from qrobot.plan.assignment import assign, cost
-from qrobot.plan.objective import DISTANCE, Objective, objective_named
+from qrobot.plan.objective import DISTANCE, Objective, assign, cost, objective_named
 from qrobot.problem.entities import Robot
 from qrobot.problem.instance import Instance
 from qrobot.problem.names import canonical

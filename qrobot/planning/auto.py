@@ -111,14 +111,16 @@ def _search_on(run: Run, search: Planner) -> None:
 @contextmanager
 def _helpers(run: Run, search: Planner, seconds: float) -> Iterator[Crew | None]:
     """Let the other cores search too while the block runs, where it is worth their start."""
-    long = HELPED_SECONDS <= seconds < math.inf and run.best.by_distance
+    long = HELPED_SECONDS <= seconds < math.inf
     helpers = spare_cores() if long and run.stop.max_work is None else 0
     if not helpers:
         yield None
         return
-    # PyVRP's own settings beside ours: what one misses the other often finds.
-    other = "pyvrp-plain" if search.name == "pyvrp" else search.name
-    crew = Crew(run.instance, other, run.seed, seconds, None, helpers)
+    # PyVRP's own settings beside ours: what one misses the other often finds. But with robots of
+    # different prices they pay too little for overload, and hardly find a plan.
+    aim = run.best.aim(search)
+    other = "pyvrp-plain" if search.name == "pyvrp" and not aim else search.name
+    crew = Crew(run.instance, other, run.seed, seconds, None, helpers, aim)
     try:
         yield crew
     finally:

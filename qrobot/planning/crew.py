@@ -14,9 +14,9 @@ import subprocess
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import IO
+from typing import IO, Any
 
 from qrobot._machine import usable_cores
 from qrobot._processes import child_environment, python_command
@@ -57,6 +57,8 @@ class Crew:
         Their limit of work.
     helpers
         How many.
+    aim
+        The objective as the planner takes it (`Best.aim`); nothing: the distance.
     """
 
     def __init__(
@@ -67,10 +69,11 @@ class Crew:
         seconds: float | None,
         max_work: int | None,
         helpers: int,
+        aim: Mapping[str, Any] | None = None,
     ) -> None:
         # The monotonic clock is one for all processes, however late a helper gets going.
         end = None if seconds is None else time.monotonic() + seconds
-        question = pickle.dumps((instance, backend, end, max_work))
+        question = pickle.dumps((instance, backend, end, max_work, dict(aim or {})))
         self._latest: list[deque[bytes]] = []
         self._looked = 0.0
         self._processes: list[subprocess.Popen[bytes]] = []

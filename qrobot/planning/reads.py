@@ -1,27 +1,33 @@
-"""Reads from a sampler: its parameters, its share of the deadline, where its time went."""
+"""Reads from a sampler: its parameters, its share of the deadline, where its time went.
+
+The measured weights let an annealer move, and their lowest energy need not be a plan: a robot
+that carries a little too much is cheap. A sampler that only looks for the lowest energy then
+never gives a plan. So while no read is a plan, the weight of what the best read breaks is
+raised, and the sampler is asked again; every read is still its own.
+"""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import dimod
 import numpy as np
 
+from qrobot._parameters import Parameter
 from qrobot.backends import Stop
 from qrobot.backends.sampler import PickingSampler, check_parameters
 from qrobot.errors import BackendError, InputError, QRobotError
 from qrobot.jobs import redact, timing_fields
-from qrobot.models import Penalties, PickingModel
-from qrobot.planning.arguments import ARGUMENTS, MODEL_OPTIONS, ROUNDS
+from qrobot.models import Penalties, PickingModel, build_model
 from qrobot.planning.run import Run
-from qrobot.problem import Instance
+from qrobot.planning.strategy import ARGUMENTS, MODEL_OPTIONS
 from qrobot.problem.formats.native import to_text
 
-__all__ = ["AFTERWARDS", "parameters_of", "split_options", "take_reads"]
+__all__ = ["ROUNDS", "parameters_of", "sample_in_rounds", "split_options", "take_reads"]
 
 MAX_CELLS = 500_000_000
 """Reads times variables, one byte each: more than this fills a small robot's memory."""
@@ -32,6 +38,12 @@ need the rest."""
 
 AFTERWARDS = 10.0
 """Seconds for repair, polish and bound when a remote answer was awaited without a deadline."""
+
+ROUNDS = 8
+"""Most rounds of a local sampler; a remote one has one by default, because each bills."""
+
+HEAVIER, FIRMER = 2.0, 1.5
+"""Growth of the capacity weight a round, and of the others."""
 
 
 def split_options(
@@ -44,7 +56,7 @@ def split_options(
     InputError
         When neither takes an option, or not this value.
     """
-    ROUNDS.check("rounds", options.get("rounds"))
+    Parameter("whole", 1).check("rounds", options.get("rounds"))
     chosen = {name: options[name] for name in MODEL_OPTIONS if name in options}
     own = (*MODEL_OPTIONS, "rounds")
     sampling = {name: value for name, value in options.items() if name not in own}
@@ -52,16 +64,17 @@ def split_options(
     return chosen, sampling
 
 
-def context_of(instance: Instance, chosen: dict[str, Any], seed: int) -> dict[str, Any]:
+def context_of(run: Run, chosen: dict[str, Any]) -> dict[str, Any]:
     """Return what is kept beside a remote job, so that its answer becomes a plan later."""
     try:
-        text = to_text(instance)
+        text = to_text(run.instance)
     except InputError:  # a weight such as one third: the answer stays, without a plan
         return {}
     weights = chosen.get("penalties")
     if isinstance(weights, Penalties):
         chosen = chosen | {"penalties": asdict(weights)}
-    return {"instance": text, "model": chosen, "seed": seed}
+    objective = run.best.objective.name
+    return {"instance": text, "model": chosen, "seed": run.seed, "objective": objective}
 
 
 def take_reads(
@@ -93,7 +106,7 @@ def take_reads(
     """
     parameters = parameters_of(sampler, model, sampling, run.stop, run.seed)
     if "context" in sampler.parameters and sampler.runs_remotely(**sampling):
-        parameters.setdefault("context", context_of(run.instance, chosen, run.seed))
+        parameters.setdefault("context", context_of(run, chosen))
     begun = time.perf_counter()
     try:
         samples = sampler.sample(model.bqm, **parameters)
@@ -172,3 +185,90 @@ def parameters_of(
             advice=f"use at most {MAX_CELLS // model.num_variables}",
         )
     return parameters
+
+
+def sample_in_rounds(
+    run: Run,
+    sampler: PickingSampler,
+    model: PickingModel,
+    chosen: dict[str, Any],
+    sampling: dict[str, Any],
+    most: int | None = None,
+) -> tuple[PickingModel, dimod.SampleSet, int, int]:
+    """Sample a model until a read is a plan, or the rounds, the time or the work are over.
+
+    Parameters
+    ----------
+    run, sampler, model, chosen, sampling
+        As of `take_reads`. Weights that the caller chose are never changed.
+    most
+        Most rounds; ``None``: `ROUNDS` of a local sampler, 1 of a remote one.
+
+    Returns
+    -------
+    model
+        The one of the last round.
+    samples
+        Of the last round; those before held no plan.
+    reads
+        Of all rounds together.
+    rounds
+        How many there were.
+    """
+    remote = sampler.runs_remotely(**sampling)
+    most = (1 if remote else ROUNDS) if most is None else most
+    if chosen.get("penalties") == "measured":  # the default, by name
+        chosen = {name: value for name, value in chosen.items() if name != "penalties"}
+    if "penalties" in chosen:
+        most = 1
+    total = rounds = 0
+    kept: tuple[PickingModel, dimod.SampleSet] | None = None
+    while True:
+        try:
+            samples = take_reads(run, sampler, model, chosen, sampling)
+        except BackendError as error:
+            if kept is None:
+                raise
+            # The reads of the rounds before may have been paid for.
+            run.record.notes.append(f"round {rounds + 1} of {sampler.name} failed: {error}")
+            return *kept, total, rounds
+        kept = model, samples
+        rounds += 1
+        total += int(samples.record.num_occurrences.sum())
+        limit = run.stop.max_work
+        over = run.stop() or rounds == most or (limit is not None and total >= limit)
+        if over or not len(samples):
+            return model, samples, total, rounds
+        with run.timed("decode"):
+            feasible, _ = model.decode_all(samples)
+        if feasible.any():
+            return model, samples, total, rounds
+        if remote and "max_cost" in sampling:
+            sampling = sampling | {"max_cost": max(0.0, sampling["max_cost"] - _usd(samples))}
+        with run.timed("build"):
+            model = build_model(run.instance, **chosen, penalties=_raised(model, samples))
+
+
+def _usd(samples: dimod.SampleSet) -> float:
+    """Return what a round was estimated to cost: a limit holds for all rounds together."""
+    # A search on the device tells the cost of all its jobs, the reads among them.
+    job = samples.info.get("search") or samples.info.get("remote") or {}
+    return float(job.get("estimate", {}).get("usd") or 0.0)
+
+
+def _raised(model: PickingModel, samples: dimod.SampleSet) -> Penalties:
+    """Return the weights with those raised that the read of least energy breaks."""
+    row = samples.record.sample[int(samples.record.energy.argmin())]
+    best = dict(zip(samples.variables, row.tolist(), strict=True))
+    kinds = {violation.kind for violation in model.decode(best).violations}
+    weights = model.penalties
+    if "capacity" in kinds:
+        weights = replace(weights, capacity=weights.capacity * HEAVIER)
+    if kinds - {"capacity"}:
+        weights = replace(
+            weights,
+            step=weights.step * FIRMER,
+            visit=weights.visit * FIRMER,
+            same_robot=weights.same_robot * FIRMER,
+        )
+    return weights

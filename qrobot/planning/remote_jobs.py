@@ -12,14 +12,15 @@ from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.jobs import Estimate, JobStore, with_retries
 from qrobot.jobs.cost import FREE
 from qrobot.models import build_model
-from qrobot.planning.arguments import check_arguments
+from qrobot.plan.objective import DISTANCE, objective_named
 from qrobot.planning.bounding import bound_from_below
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.reads import parameters_of, split_options, take_reads
 from qrobot.planning.result import Result
 from qrobot.planning.run import Run
 from qrobot.planning.sampling import build, use_reads
-from qrobot.planning.solving import DEFAULT_DEADLINE, result_of, strategy_of
+from qrobot.planning.solving import check_objective, result_of, strategy_of
+from qrobot.planning.strategy import DEFAULT_DEADLINE, Strategy, check_arguments
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 from qrobot.problem.formats.native import parse_native
@@ -71,13 +72,14 @@ def submit(
     *,
     seed: int = 0,
     max_cost: float | None = None,
+    objective: str = "distance",
     **options: Any,
 ) -> dict[str, Any]:
     """Hand an instance over to a remote backend and return at once.
 
     Parameters
     ----------
-    instance, backend, seed, max_cost, **options
+    instance, backend, seed, max_cost, objective, **options
         As of `solve`.
 
     Returns
@@ -92,24 +94,26 @@ def submit(
     BackendError
         When it could not be handed over.
     """
-    check_arguments(backend=backend, seed=seed, max_cost=max_cost)
-    instance = instance_of(instance)
+    check_arguments(backend=backend, seed=seed, max_cost=max_cost, objective=objective)
+    instance, aim = instance_of(instance), objective_named(objective)
     if not instance.orders:
         raise InputError("there is nothing to collect", field="orders", advice="leave the job out")
     if (reason := reason_infeasible(instance)) is not None:
         raise InfeasibleError(reason)
-    sampler = _remote(backend, options)
+    strategy = strategy_of(backend)
+    sampler = _remote(strategy, options)
+    check_objective(strategy, aim, instance)
     chosen, sampling = split_options(sampler, options)
     model = build(instance, sampler, chosen)
     extra: dict[str, Any] = {"wait": False}
     if max_cost is not None:
         extra["max_cost"] = max_cost
-    run = Run(instance, Stop(), seed)
+    run = Run(instance, Stop(), seed, objective=aim)
     samples = take_reads(run, sampler, model, chosen, sampling | extra)
-    told = samples.info.get("remote")
-    if not isinstance(told, dict):
+    job = samples.info.get("remote")
+    if not isinstance(job, dict):
         raise BackendError(f"backend {backend} gave the job no name")
-    return dict(told)
+    return dict(job)
 
 
 def collect(job: str, store: JobStore) -> Result:
@@ -140,18 +144,20 @@ def collect(job: str, store: JobStore) -> Result:
     instance = parse_native(text)
     model = build_model(instance, **kept.context.get("model", {}))
     samples = fetch(job, store, get)
-    run = Run(instance, Stop(DEFAULT_DEADLINE), int(kept.context.get("seed", 0)))
+    aim = objective_named(kept.context.get("objective", DISTANCE.name))
+    seed = int(kept.context.get("seed", 0))
+    run = Run(instance, Stop(DEFAULT_DEADLINE), seed, objective=aim)
     run.begin(kept.backend)
     use_reads(run, kept.backend, model, samples)
     bound_from_below(run)
     return result_of(run, kept.backend)
 
 
-def _remote(backend: str, options: dict[str, Any]) -> PickingSampler:
-    sampler = strategy_of(backend).sampler
+def _remote(strategy: Strategy, options: dict[str, Any]) -> PickingSampler:
+    sampler = strategy.sampler
     if sampler is None or not sampler.runs_remotely(**options):
         raise InputError(
-            f"backend {backend} runs on this machine: there is no job to hand over",
+            f"backend {strategy.name} runs on this machine: there is no job to hand over",
             field="backend",
             advice="wait for it, or name a remote one",
         )

@@ -15,8 +15,7 @@ from qrobot._arrays import Floats
 from qrobot.backends import Planner, Routes, Search, Stop
 from qrobot.backends.base import OnBest, PlanReads
 from qrobot.errors import BackendError, QRobotError
-from qrobot.plan.assignment import cost
-from qrobot.plan.objective import DISTANCE, Objective
+from qrobot.plan.objective import DISTANCE, Objective, cost
 from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
 
@@ -111,8 +110,8 @@ class Best:
         else:
             self.raise_bound(found.bound)
 
-    def told(self, value: float) -> float:
-        """Return a cost or bound as the objective counts."""
+    def as_cost(self, value: float) -> float:
+        """Return a cost or bound of this class, maybe a distance, as the objective counts."""
         return self.objective.bound(self.instance, value) if self.by_distance else value
 
     def aim(self, planner: Planner) -> dict[str, Any]:
@@ -199,8 +198,8 @@ class Run:
         if self._listener is not None:
             best = self.best
             step = self.record.steps[-1] if self.record.steps else "start"
-            found = best.told(best.cost) if best.routes is not None else None
-            bound = best.told(best.bound)
+            found = best.as_cost(best.cost) if best.routes is not None else None
+            bound = best.as_cost(best.bound)
             self._listener(Progress(step, self.elapsed, found, bound, best.objective.name))
 
     def begin(self, step: str) -> None:
@@ -264,27 +263,27 @@ class Run:
         self.tell()
         return found
 
-    def _tell_reads(self, name: str, told: PlanReads) -> None:
+    def _tell_reads(self, name: str, reads: PlanReads) -> None:
         """Report the reads of a planner that samples plans."""
         # Those that take a forbidden way are not plans.
         (lengths, feasible), (random, random_feasible) = (
             (every[np.isfinite(every)], float(np.isfinite(every).mean()))
-            for every in (told.lengths, told.random_lengths)
+            for every in (reads.lengths, reads.random_lengths)
         )
         self.record.reads = (lengths, random)
         self.record.sampler = SamplerReport(
             backend=name,
-            encoding=told.encoding,
-            variables=told.variables,
-            reads=len(told.lengths),
+            encoding=reads.encoding,
+            variables=reads.variables,
+            reads=len(reads.lengths),
             feasible_fraction=feasible,
             best=float(lengths.min()) if lengths.size else None,
             mean=float(lengths.mean()) if lengths.size else None,
-            energy=told.energy,
+            energy=reads.energy,
             random_feasible_fraction=random_feasible,
             random_best=float(random.min()) if random.size else None,
             of_plans=True,
-            details=dict(told.details),
+            details=dict(reads.details),
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -10,27 +11,28 @@ import dimod
 import numpy as np
 
 from qrobot.backends import Routes, Stop
+from qrobot.backends.classical.batching import SearchData, batches_of, ruin_and_recreate
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError
 from qrobot.jobs import json_data, redact_data
 from qrobot.models import PickingModel, build_model
 from qrobot.models.layout import MAX_VARIABLES
-from qrobot.planning.arguments import MODEL_OPTIONS
-from qrobot.planning.polish import random_routes, repair_and_polish
-from qrobot.planning.reads import split_options
+from qrobot.planning.reads import sample_in_rounds, split_options
 from qrobot.planning.result import SamplerReport
-from qrobot.planning.rounds import sample_in_rounds
 from qrobot.planning.run import Run
-from qrobot.planning.strategy import Strategy
+from qrobot.planning.strategy import MODEL_OPTIONS, Strategy
 from qrobot.problem import Instance
 
-__all__ = ["SamplerStrategy", "build", "use_reads"]
+__all__ = ["SamplerStrategy", "build", "random_routes", "repair_and_polish", "use_reads"]
 
 SHARED_OPTIONS = (*MODEL_OPTIONS, "num_reads", "seed")
 """Options that mean the same to every sampler."""
 
 STARTS = 10
 """Reads that are repaired and polished, the best first."""
+
+POLISH_ROUNDS = 30
+"""Rounds of ruin and recreate for each start."""
 
 RANDOM_BLOCK = 1000
 """Random reads that are judged at once."""
@@ -236,8 +238,8 @@ def _report(
 
 def details_of(info: Any) -> dict[str, Any]:
     """Return what a sampler tells of itself as plain data: parameters, embedding, job."""
-    told = redact_data(json_data(dict(info)))
-    kept = {k: v for k, v in told.items() if not (isinstance(v, list) and len(v) > LONGEST)}
+    facts = redact_data(json_data(dict(info)))
+    kept = {k: v for k, v in facts.items() if not (isinstance(v, list) and len(v) > LONGEST)}
     kept.pop("history", None)
     return kept
 
@@ -274,3 +276,40 @@ def _polish(
 def _short(stop: Stop) -> Stop:
     """Return a stop that allows at least a first repair, even when time is up."""
     return stop if not stop() else Stop(max_work=1)
+
+
+def repair_and_polish(
+    instance: Instance, start: Routes, stop: Stop, seed: int, rounds: int = POLISH_ROUNDS
+) -> Routes | None:
+    """Return a valid plan made from any routes, or None when no room or way was found.
+
+    Repair keeps every order that was collected whole and within a robot's capacity, and inserts
+    the rest where it costs least. Polish is ruin and recreate.
+
+    Parameters
+    ----------
+    instance
+        The question.
+    start
+        Routes of nodes; may leave out, repeat, split or overload.
+    stop
+        Deadline and interrupts.
+    seed
+        Of the random choices.
+    rounds
+        Rounds of polish; 0 repairs only.
+    """
+    data = SearchData(instance, seed, stop)
+    state = batches_of(data, start)
+    routes = ruin_and_recreate(data, state, stop.within(max_work=rounds))
+    return None if routes is None or math.isinf(instance.length(routes)) else routes
+
+
+def random_routes(instance: Instance, rng: np.random.Generator) -> Routes:
+    """Return orders dealt to trips at random, in random sequence; loads are not looked at."""
+    trips: Routes = [[] for _ in instance.vehicle_capacities]
+    for order in rng.permutation(len(instance.orders)).tolist():
+        nodes = list(instance.order_nodes[order])
+        rng.shuffle(nodes)
+        trips[int(rng.integers(len(trips)))].extend(nodes)
+    return trips

@@ -2,28 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
 
 from qrobot._files import StrPath
+from qrobot._processes import catch_signals
 from qrobot.backends import Planner, Stop, available, capabilities, get, names
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.plan import Objective, Plan, check
 from qrobot.plan.objective import objective_named
-from qrobot.planning.arguments import check_arguments
 from qrobot.planning.bounding import bound_from_below
-from qrobot.planning.fallback import run_with_fallback
 from qrobot.planning.feasibility import reason_infeasible
-from qrobot.planning.interrupts import graceful_interrupts
 from qrobot.planning.result import Ending, Result, SamplerReport
 from qrobot.planning.run import TIE, Progress, Run
-from qrobot.planning.strategy import DEFAULT_DEADLINE, PlannerStrategy, Strategy
+from qrobot.planning.strategy import (
+    DEFAULT_DEADLINE,
+    PlannerStrategy,
+    Strategy,
+    check_arguments,
+)
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 from qrobot.problem.packing import what_is_enough
 
-__all__ = ["DEFAULT_DEADLINE", "result_of", "solve", "strategy_of"]
+__all__ = [
+    "DEFAULT_DEADLINE",
+    "check_objective",
+    "result_of",
+    "run_with_fallback",
+    "solve",
+    "strategy_of",
+]
+
+T = TypeVar("T")
 
 
 def solve(
@@ -115,7 +130,7 @@ def solve(
         run = Run(instance, strategy.limits(limits), int(seed), on_progress, objective=aim)
         if (reason := reason_infeasible(instance)) is not None:
             raise InfeasibleError(reason)
-        with graceful_interrupts(run.stop):
+        with _stop_on_interrupt(run.stop):
             strategy.plan(run)
             bound_from_below(run)
         return result_of(run, name)
@@ -123,13 +138,13 @@ def solve(
     def first() -> Result:
         strategy = strategy_of(backend)
         strategy.take(options, control=control, max_cost=max_cost)
-        _check_objective(strategy, aim, instance)
+        check_objective(strategy, aim, instance)
         return answer(backend, strategy)
 
     if fallback is None:
         return first()
     second = _local(fallback)
-    _check_objective(second, aim, instance)
+    check_objective(second, aim, instance)
 
     def instead(name: str) -> Result:
         known = second.known_options(options)
@@ -176,7 +191,86 @@ def _local(name: str) -> Strategy:
     return strategy
 
 
-def _check_objective(strategy: Strategy, objective: Objective, instance: Instance) -> None:
+@dataclass(frozen=True, slots=True)
+class Fallback(Generic[T]):
+    """An answer, who gave it, and what the reader must be told.
+
+    Parameters
+    ----------
+    value
+        What the call returned.
+    backend
+        Name of the backend that answered.
+    note
+        ``None`` when the asked one answered; otherwise a sentence for the result's notes.
+    """
+
+    value: T
+    backend: str
+    note: str | None = None
+
+
+def run_with_fallback(
+    primary: Callable[[], T],
+    fallback_name: str | None = None,
+    fallback: Callable[[str], T] | None = None,
+    *,
+    primary_name: str,
+) -> Fallback[T]:
+    """Call a backend; when it fails, call the fallback and say so.
+
+    Parameters
+    ----------
+    primary
+        The work with the backend that was asked for.
+    fallback_name
+        Backend to use instead; ``None``: a failure is a failure.
+    fallback
+        The work with the backend of that name.
+    primary_name
+        For the note.
+
+    Raises
+    ------
+    BackendError
+        When the primary failed and there is no fallback, or that failed too: the message
+        then names both. Bad input and infeasible instances are never retried elsewhere.
+    """
+    try:
+        return Fallback(primary(), primary_name)
+    except BackendError as error:
+        if fallback_name is None or fallback is None or fallback_name == primary_name:
+            raise
+        reason = str(error)
+    try:
+        value = fallback(fallback_name)
+    except BackendError as error:
+        second = str(error)
+    else:
+        note = f"{primary_name} failed, {fallback_name} answered instead: {reason}"
+        return Fallback(value, fallback_name, note)
+    raise BackendError(
+        f"{primary_name} failed ({reason}), and so did the fallback {fallback_name} ({second})"
+    )
+
+
+@contextmanager
+def _stop_on_interrupt(stop: Stop) -> Iterator[None]:
+    """Turn the first Ctrl-C into a request to stop; the second interrupts as usual.
+
+    Only in the main thread, and only where the caller has not set a handler of its own.
+    """
+    if (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    ):
+        with catch_signals(lambda _: stop.request(), "SIGINT", second="restore"):
+            yield
+    else:
+        yield
+
+
+def check_objective(strategy: Strategy, objective: Objective, instance: Instance) -> None:
     """Refuse a backend that would make something else small."""
     if objective.common_rate(instance) is not None:
         return
@@ -229,7 +323,7 @@ def result_of(run: Run, backend: str) -> Result:
     return Result(
         instance=run.instance,
         plan=plan,
-        bound=min(best.told(best.bound), plan.cost),
+        bound=min(best.as_cost(best.bound), plan.cost),
         is_optimal=proven,
         backend=backend,
         steps=tuple(record.steps),

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from qrobot._parameters import near
+from qrobot._parameters import Parameter, near
 from qrobot.backends import Capabilities, Planner, Routes, Search, Stop
 from qrobot.backends.base import OnBest
 from qrobot.errors import InputError
 from qrobot.plan.objective import DISTANCE, Objective
-from qrobot.planning.arguments import ARGUMENTS
 from qrobot.planning.bounding import begin_bound, time_to_search
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.run import Run
@@ -18,10 +17,46 @@ from qrobot.planning.run import Run
 if TYPE_CHECKING:
     from qrobot.backends.sampler import PickingSampler
 
-__all__ = ["DEFAULT_DEADLINE", "PlannerStrategy", "Strategy"]
+__all__ = [
+    "ARGUMENTS",
+    "DEFAULT_DEADLINE",
+    "MODEL_OPTIONS",
+    "PlannerStrategy",
+    "Strategy",
+    "check_arguments",
+]
 
 DEFAULT_DEADLINE = 10.0
 """Seconds, when neither a deadline nor a limit of work is given."""
+
+ARGUMENTS: Mapping[str, Parameter] = {
+    "backend": Parameter("text", optional=False),
+    "deadline": Parameter("number", 0, above=True),
+    "max_work": Parameter("whole", 1),
+    "seed": Parameter("whole", 0, optional=False),
+    "control": Parameter("flag", optional=False),
+    "max_cost": Parameter("number", 0),
+    "fallback": Parameter("text"),
+    "objective": Parameter("text", optional=False),
+    "stop": Parameter("object", also=(Stop,)),
+    "on_progress": Parameter("function"),
+}
+"""What each argument of `solve` takes."""
+
+MODEL_OPTIONS = ("encoding", "slack", "penalties")
+"""Options of the model, which `qrobot.models.build_model` checks."""
+
+
+def check_arguments(**given: Any) -> None:
+    """Refuse an argument of the wrong type or out of range.
+
+    Raises
+    ------
+    InputError
+        Names the argument, its value and what is allowed.
+    """
+    for name, value in given.items():
+        ARGUMENTS[name].check(name, value)
 
 
 class Strategy:
@@ -59,7 +94,7 @@ class Strategy:
         self.plan(run)
         return Search(
             routes=run.best.routes,
-            bound=run.best.told(run.best.bound),
+            bound=run.best.as_cost(run.best.bound),
             optimal=run.finished and run.infeasible is None,
             infeasible=run.infeasible,
             work=sum(run.record.work.values()),

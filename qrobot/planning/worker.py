@@ -27,7 +27,7 @@ def main() -> None:
     """Search until the limits are reached or the parent is gone."""
     end_with_parent()
     source = sys.stdin.buffer
-    instance, backend, end, max_work = pickle.load(source)  # noqa: S301 - our parent's
+    instance, backend, end, max_work, aim = pickle.load(source)  # noqa: S301 - our parent's
     seed = pickle.load(source)  # noqa: S301
     if hasattr(os, "nice"):
         os.nice(NICENESS)
@@ -37,7 +37,7 @@ def main() -> None:
         sys.stdout.write(json_text([list(map(int, route)) for route in routes]) + "\n")
         sys.stdout.flush()
 
-    get_planner(backend).search(instance, stop=stop, seed=seed, on_best=tell)
+    get_planner(backend).search(instance, stop=stop, seed=seed, on_best=tell, **aim)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from qrobot.errors import BackendError, CredentialsError, InputError, RemoteErro
 from qrobot.jobs import Backoff, Estimate, check_budget, with_retries
 from qrobot.jobs.cost import by_shots, by_time, price
 from qrobot.jobs.retry import classify, translate
-from qrobot.planning.fallback import run_with_fallback
+from qrobot.planning.solving import run_with_fallback
 
 
 class ClientError(Exception):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from qrobot.plan.assignment import _cheapest
+from qrobot.plan.objective import _cheapest
 
 PRICES = st.one_of(st.integers(0, 9).map(float), st.floats(0, 100), st.just(float("inf")))
 

@@ -20,7 +20,7 @@ from qrobot.backends.registry import available
 from qrobot.models import build_model, model_for
 from qrobot.models.export import export_model
 from qrobot.planning import estimate, solve, submit
-from qrobot.planning.arguments import ARGUMENTS
+from qrobot.planning.strategy import ARGUMENTS
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "paper-4-items.json"
 

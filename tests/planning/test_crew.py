@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
@@ -13,6 +14,7 @@ from oracles import paper_shaped
 from processes import HANG, gone, until, with_our_modules
 
 from qrobot.backends import Routes
+from qrobot.plan.objective import TIME, Objective
 from qrobot.planning.crew import Crew, spare_cores
 from qrobot.planning.run import plan_fits
 
@@ -35,6 +37,21 @@ def test_helpers_bring_plans(backend: str) -> None:
     crew.close(found.append, wait=HANG)
     assert found
     assert all(plan_fits(instance, plan) for plan in found)
+
+
+@pytest.mark.parametrize("aim", [{}, {"objective": TIME}], ids=["distance", "time"])
+def test_helpers_make_the_objective_small(aim: dict[str, Objective]) -> None:
+    """One way by the slow robot is shorter, two by the fast one take less time."""
+    pytest.importorskip("pyvrp")
+    instance = paper_shaped(2, 1, 1)
+    slow = replace(instance.robots[0], id="slow", speed=0.5)
+    room = max(item.weight for item in instance.items)
+    fast = replace(slow, id="fast", capacity=room, speed=2, trips=2)
+    unlike = replace(instance, robots=(slow, fast))
+    crew = Crew(unlike, "pyvrp", 1, seconds=None, max_work=200, helpers=1, aim=aim)
+    found: list[Routes] = []
+    crew.close(found.append, wait=HANG)
+    assert len(found[-1]) == (2 if aim else 1)
 
 
 @pytest.mark.parametrize("name", ["numpy", "json", "qrobot"])

@@ -222,15 +222,32 @@ def test_a_round_that_fails_costs_no_reads_of_the_rounds_before(
     assert len(jobs()) == 1
 
 
-def test_a_job_for_later_takes_no_other_objective(
+def test_a_job_for_later_keeps_its_objective(
     instance: qrobot.Instance, service: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    qrobot.write(instance, service / "question.json")
+    items = tuple(replace(item, pick_seconds=7.0) for item in instance.items)
+    robots = tuple(replace(robot, speed=0.5) for robot in instance.robots)
+    slow = replace(instance, items=items, robots=robots)
+    qrobot.write(slow, service / "question.json")
     with pytest.raises(SystemExit) as ended:
-        main(["solve", str(service / "question.json"), "-b", NAME, "--no-wait",
-              "--objective", "time"])  # fmt: skip
-    assert ended.value.code == 2
-    assert "--objective: --no-wait makes no plan yet" in capsys.readouterr().err
+        main(["solve", str(service / "question.json"), "-b", NAME, "--encoding", "compact",
+              "--no-wait", "--objective", "time"])  # fmt: skip
+    assert ended.value.code == 0
+    assert "makes a plan of it" in capsys.readouterr().out
+    with JobStore() as store:
+        result = collect(jobs()[0].id, store)
+    assert result.objective == "time"
+    assert result.cost == pytest.approx(least_distance(instance)[0] / 0.5 + 3 * 7)
+    assert qrobot.check(result.plan, slow).ok
+
+
+def test_a_job_for_later_is_refused_an_objective_that_its_sampler_cannot_optimise(
+    instance: qrobot.Instance,
+) -> None:
+    fast = replace(instance.robots[0], id="fast", speed=9.0)
+    unlike = replace(instance, robots=(*instance.robots, fast))
+    with pytest.raises(qrobot.InputError, match="cannot optimise time with unlike robots"):
+        submit(unlike, NAME, objective="time")
     assert not jobs()
 
 

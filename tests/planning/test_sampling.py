@@ -14,9 +14,9 @@ from strategies import instances
 import qrobot
 from qrobot.backends import Capabilities, Stop
 from qrobot.backends.sampler import PickingSampler
-from qrobot.planning.polish import random_routes, repair_and_polish
-from qrobot.planning.rounds import ROUNDS
+from qrobot.planning.reads import ROUNDS
 from qrobot.planning.run import plan_fits
+from qrobot.planning.sampling import random_routes, repair_and_polish
 from qrobot.problem import Instance
 
 

@@ -1,8 +1,7 @@
 """Lower bounds that hold for any plan, for instances too large to prove exactly."""
 
-from qrobot.planning.bounds.forests import forest_bound
+from qrobot.planning.bounds.lagrange import forest_bound, load_steps, walk_bound
 from qrobot.planning.bounds.quick import fewest_trips, most_trips, quick_bound, radial_bound
-from qrobot.planning.bounds.walks import load_steps, walk_bound
 
 __all__ = [
     "fewest_trips",
