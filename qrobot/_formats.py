@@ -28,7 +28,10 @@ BUILTIN = {
         ),
     ),
     ".vrp": (KnownFormat("qrobot.problem.formats.vrp", "CVRPLIB and QOBLIB", ("rounding",)),),
-    ".txt": (KnownFormat("qrobot.problem.formats.picking_hi", "HI"),),
+    ".txt": (
+        KnownFormat("qrobot.problem.formats.picking_hi", "HI"),
+        KnownFormat("qrobot.problem.formats.picking_briant", "Briant"),
+    ),
 }
 """By suffix; a module is imported when a file of its kind is met."""
 

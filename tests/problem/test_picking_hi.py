@@ -267,7 +267,7 @@ def test_a_file_with_the_suffix_of_another_format_is_told(tmp_path: Path, name: 
 
 def test_any_other_text_is_not_taken_for_one(tmp_path: Path) -> None:
     said = sentence(tmp_path, "NAME : A-n32-k5\nDIMENSION : 32\nCAPACITY : 1\n")
-    assert said.startswith("is not a HI file; check the path")
+    assert said.startswith("is not a HI or Briant file; check the path")
 
 
 # -- the files that lie beside the project -----------------------------------------
