@@ -11,6 +11,7 @@ import contextlib
 import errno
 import os
 import stat
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -21,11 +22,13 @@ __all__ = [
     "MAX_BYTES",
     "NO_PERMISSION",
     "StrPath",
+    "can_take_files",
     "check_outputs",
     "path_text",
     "read_text",
     "refusal",
     "replace_file",
+    "takes_files",
     "write_bytes_atomic",
     "write_text_atomic",
 ]
@@ -269,6 +272,29 @@ def _check_writable(path: StrPath) -> None:
             source=os.fspath(path),
             advice=NO_PERMISSION,
         )
+
+
+def takes_files(folder: Path) -> None:
+    """Make sure that files can be made in a folder: permissions say nothing of it to root.
+
+    Raises
+    ------
+    OSError
+        When none can be made.
+    """
+    with tempfile.TemporaryFile(dir=folder):
+        pass
+
+
+def can_take_files(folder: Path) -> bool:
+    """Return whether files can be made in a folder, or the folder itself can be."""
+    try:
+        while not folder.exists() and folder != folder.parent:
+            folder = folder.parent
+        takes_files(folder)
+    except OSError:
+        return False
+    return True
 
 
 def refusal(verb: str, source: str, error: Exception) -> InputError:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from qrobot._extras import distribution_version, extras, install_command
+from qrobot._files import can_take_files
 from qrobot._version import __version__
 from qrobot.jobs.credentials import SERVICES, presence
 from qrobot.jobs.store import default_path
@@ -25,17 +26,6 @@ def packages_of(extra: str) -> list[str]:
     held = extras().get(extra, frozenset())
     smaller = [names for other, names in extras().items() if other and names < held]
     return sorted(held.difference(*smaller))
-
-
-def _writable(folder: Path) -> bool:
-    """Return whether files can be made in a folder, or the folder itself can be."""
-    while not folder.exists() and folder != folder.parent:
-        folder = folder.parent
-    try:  # asking for permissions tells root nothing about a read-only file system
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
 
 
 def _folders() -> dict[str, Path]:
@@ -91,7 +81,7 @@ def inventory() -> dict[str, Any]:
             )
     folders = {}
     for name, folder in _folders().items():
-        folders[name] = {"path": str(folder), "writable": _writable(folder)}
+        folders[name] = {"path": str(folder), "writable": can_take_files(folder)}
         if name in ("jobs", "temporary", "numba") and not folders[name]["writable"]:
             problems.append(f"the {name} folder {folder} cannot be written to")
     return {

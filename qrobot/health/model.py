@@ -61,6 +61,11 @@ class CheckResult:
     tolerance: float
     message: str
 
+    @property
+    def seconds(self) -> float | None:
+        """Import and computation together; None where the computation was not reached."""
+        return None if self.run_seconds is None else (self.import_seconds or 0.0) + self.run_seconds
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON; a number that is not finite becomes ``None``."""
         return asdict(self) | {

@@ -22,6 +22,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+from qrobot._files import can_take_files
 from qrobot._processes import child_environment, end_family, python_command, resident_memory
 from qrobot.errors import InputError
 from qrobot.health.check import Check
@@ -72,7 +73,8 @@ def environment(folder: Path, seen: Mapping[str, str] = os.environ) -> dict[str,
     found = child_environment({n: value for n, value in seen.items() if not _is_secret(n)})
     found["TMPDIR"] = str(folder)  # which is in the user's own
     found["PYTHONWARNINGS"] = "ignore"  # what an SDK thinks of its own parts
-    for name in OWN if _takes_files(_caches(found)) else (*OWN, *CACHES):
+    caches = Path(found.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
+    for name in OWN if can_take_files(caches) else (*OWN, *CACHES):
         found.setdefault(name, str(folder / name.lower()))
     return found
 
@@ -85,24 +87,8 @@ def _is_secret(variable: str) -> bool:
     return name.startswith(CLOUDS) or name.endswith("_PROXY") or bool(SECRET_VARIABLE.search(name))
 
 
-def _caches(variables: Mapping[str, str]) -> Path:
-    home = variables.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(home)
-
-
-def _takes_files(folder: Path) -> bool:
-    """Return whether files can be made in a folder, or the folder itself can be."""
-    try:
-        while not folder.exists() and folder != folder.parent:
-            folder = folder.parent
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
 POLL = 0.02
-"""Seconds between two looks at what the process tells."""
+"""Seconds between two looks at what the process writes."""
 
 SHARE = 20
 """Its memory is looked at so much more seldom than a look takes: it costs a Pi, and more so an
@@ -137,9 +123,15 @@ class Limits:
                     f"{value} is not a limit", field=field, advice="give a finite number above 0"
                 )
 
+    def broken(self, seconds: float, megabytes: float) -> str:
+        """Return which limit a process broke, as a clause, or ``""``."""
+        if megabytes > self.megabytes:
+            return f"took more than {self.megabytes:g} MB of memory"
+        return f"took longer than {self.seconds:g} s" if seconds > self.seconds else ""
+
 
 class Process:
-    """A process under watch, and what it told before its end.
+    """A process under watch, and how far it came.
 
     Parameters
     ----------
@@ -152,8 +144,8 @@ class Process:
 
     Attributes
     ----------
-    told
-        What it told so far.
+    progress
+        What it has written to its pipe so far: times, answer, error.
     peak
         Largest resident memory that was seen, in MiB.
     overrun
@@ -169,7 +161,7 @@ class Process:
 
     def __init__(self, check: Check, limits: Limits, folder: Path) -> None:
         self.limits = limits
-        self.told: dict[str, Any] = {}
+        self.progress: dict[str, Any] = {}
         self.peak = 0.0
         self.overrun = ""
         self.starved = False
@@ -210,10 +202,7 @@ class Process:
                     self.peak = max(self.peak, resident_memory(self.process.pid))
                     now = time.monotonic()
                     due = now + min(SHARE * (now - look), PAUSE)
-                if self.peak > self.limits.megabytes:
-                    self.overrun = f"took more than {self.limits.megabytes:g} MB of memory"
-                elif time.monotonic() - begun > self.limits.seconds:
-                    self.overrun = f"took longer than {self.limits.seconds:g} s"
+                self.overrun = self.limits.broken(time.monotonic() - begun, self.peak)
                 if self.overrun:
                     break
                 time.sleep(POLL)
@@ -239,13 +228,13 @@ class Process:
 
     def _listen(self) -> None:
         self._lines += b"".join(_waiting(self._reader))
-        *whole, self._lines = self._lines.split(b"\n")
-        for line in whole:
+        *lines, self._lines = self._lines.split(b"\n")
+        for line in lines:
             with suppress(ValueError):
-                told = json.loads(line)
-                if "answer" in told:  # as texts: JSON has no word for a number that is not one
-                    told["answer"] = [float(number) for number in told["answer"]]
-                self.told |= told
+                step = json.loads(line)
+                if "answer" in step:  # as texts: JSON has no word for a number that is not one
+                    step["answer"] = [float(number) for number in step["answer"]]
+                self.progress |= step
 
 
 def _waiting(pipe: int) -> Iterator[bytes]:

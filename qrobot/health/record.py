@@ -1,23 +1,29 @@
-"""A run as a report: who ran, when, where; written as JSON and read back."""
+"""A run as a report: who ran, when, where; how one is read back, and the JSON Schema of all.
+
+``python -m qrobot.health.record > qrobot/health/report.schema.json`` writes the shipped schema.
+"""
 
 from __future__ import annotations
 
 import json
 import platform
+import sys
 import time
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from functools import cache
+from importlib import resources
 from typing import Any
 
 from qrobot._files import StrPath, read_text
+from qrobot._json import json_text
 from qrobot._text import printable
 from qrobot._version import __version__
 from qrobot.errors import InputError
 from qrobot.health.model import SCHEMA, CheckResult, Finding, Report
 from qrobot.health.system import Machine, board_model
 
-__all__ = ["Clockwork", "make_report", "read_report"]
+__all__ = ["Clockwork", "json_schema", "make_report", "read_report", "schema_text"]
 
 LONGEST = 255
 """Letters of a host's name; the Domain Name System allows no more."""
@@ -90,51 +96,36 @@ def read_report(path: StrPath) -> Report:
     """
     from pydantic import ValidationError
 
-    source = str(path)
     text = read_text(path)
+
+    def refused(problem: str, field: str | None = None, advice: str = ADVICE) -> InputError:
+        return InputError(problem, source=str(path), field=field, advice=advice)
+
     try:
         data = json.loads(text, parse_int=_whole, parse_float=_finite, parse_constant=_finite)
     except json.JSONDecodeError as error:
-        raise InputError(
-            f"is not JSON: {error.msg}",
-            source=source,
-            field=f"line {error.lineno}, column {error.colno}",
-            advice=ADVICE,
-        ) from None
+        where = f"line {error.lineno}, column {error.colno}"
+        raise refused(f"is not JSON: {error.msg}", where) from None
     except (RecursionError, ValueError):  # nested without end, or a number beyond all bounds
-        raise InputError("is not a report", source=source, advice=ADVICE) from None
+        raise refused("is not a report") from None
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
-        raise InputError(*_strange(schema), source=source, field="schema", advice=_update(schema))
+        raise refused(_strange(schema), "schema", _update(schema))
     try:
         found: Report = _adapter().validate_json(text, strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False, include_input=False)[0]
-        raise InputError(
-            first["msg"][:1].lower() + first["msg"][1:],
-            source=source,
-            field=printable(".".join(map(str, first["loc"]))) or None,
-            advice=ADVICE,
-        ) from None
+        field = printable(".".join(map(str, first["loc"])))
+        raise refused(first["msg"][:1].lower() + first["msg"][1:], field or None) from None
     try:
         made = datetime.fromisoformat(found.made)
         if made.tzinfo is None:
             raise ValueError
         made.astimezone(UTC)
     except (ValueError, OverflowError):  # OverflowError: in UTC the year is below 1
-        raise InputError(
-            f"{found.made[:40]!r} is not a time with its zone",
-            source=source,
-            field="made",
-            advice=ADVICE,
-        ) from None
+        raise refused(f"{found.made[:40]!r} is not a time with its zone", "made") from None
     if len(found.host) > LONGEST:
-        raise InputError(
-            f"a name of {len(found.host)} letters is not that of a host",
-            source=source,
-            field="host",
-            advice=ADVICE,
-        )
+        raise refused(f"a name of {len(found.host)} letters is not that of a host", "host")
     return found
 
 
@@ -157,10 +148,10 @@ def _number(schema: object) -> int | None:
     return int(number) if name == own and number.isdecimal() and len(number) < 9 else None
 
 
-def _strange(schema: object) -> tuple[str]:
+def _strange(schema: object) -> str:
     if _number(schema) is not None:
-        return (f"{schema} is not {SCHEMA}, which this qRobot reads",)
-    return (f"is not a report of qrobot health (this field must be {SCHEMA!r})",)
+        return f"{schema} is not {SCHEMA}, which this qRobot reads"
+    return f"is not a report of qrobot health (this field must be {SCHEMA!r})"
 
 
 def _update(schema: object) -> str:
@@ -173,3 +164,45 @@ def _adapter() -> Any:
     from pydantic import TypeAdapter  # here: only who reads a report needs it
 
     return TypeAdapter(Report)
+
+
+COUNTED = ("pass", "fail", "error", "absent", "good", "warning", "fault", "unknown")
+
+
+def schema_text() -> str:
+    """Return the schema as it is shipped."""
+    return (resources.files("qrobot.health") / "report.schema.json").read_text(encoding="utf-8")
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the schema as the model gives it; a reader must bear fields that it does not list."""
+    made: dict[str, Any] = _adapter().json_schema(mode="serialization")
+    count = {"type": "integer", "minimum": 0}
+    made["properties"] = {
+        "schema": {"const": SCHEMA},
+        **made["properties"],
+        "healthy": {"type": "boolean", "description": "No check is bad, no finding a fault."},
+        "totals": {
+            "type": "object",
+            "description": "How many checks and findings there are of each status.",
+            "properties": dict.fromkeys(COUNTED, count),
+            "required": list(COUNTED),
+        },
+    }
+    made["properties"]["made"]["format"] = "date-time"
+    for one in (made, *made["$defs"].values()):
+        one["required"] = list(one["properties"])  # whoever writes gives all of them
+        one["description"] = one["description"].partition("\n")[0]
+        for about in one["properties"].values():
+            about.pop("default", None)
+            about.pop("title", None)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": f"urn:{SCHEMA.replace('.', ':').replace('/', ':')}",
+        **made,
+        "title": "What qrobot health found",
+    }
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json_text(json_schema(), indent=1) + "\n")

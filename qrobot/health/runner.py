@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from threading import Event
@@ -14,9 +14,9 @@ from qrobot._processes import name_signal
 from qrobot.errors import InputError
 from qrobot.health.check import Check, difference
 from qrobot.health.model import CheckResult, Status
-from qrobot.health.process import ROOT, Limits, Process, own_folder
+from qrobot.health.process import Limits, Process, own_folder
 
-__all__ = ["ROOT", "Limits", "run", "run_all"]
+__all__ = ["Limits", "result_of", "run", "run_all"]
 
 
 def run(check: Check, limits: Limits | None = None) -> CheckResult:
@@ -85,20 +85,19 @@ def run_all(
 
 
 def _run(check: Check, limits: Limits, stop: Event) -> CheckResult:
-    versions = check.versions()
-    missing = [name for name in check.distributions if name not in versions]
+    missing = [name for name in check.distributions if name not in check.versions()]
     if missing:
-        return _result(check, versions, "absent", _advice(check, missing))
+        return result_of(check, "absent", _advice(check, missing))
     watched = _watch(check, limits, stop)
     if isinstance(watched, str):
-        return _result(check, versions, "error", watched)
+        return result_of(check, "error", watched)
     process, code = watched
-    told = process.told
-    told["peak_mb"] = max(process.peak, told.get("peak_mb", 0.0)) or None
-    if "expected" in told and code == 0:
-        wrong = difference(told["answer"], told["expected"], check.tolerance)
-        return _result(check, versions, "fail" if wrong else "pass", wrong or check.source, told)
-    return _result(check, versions, "error", _why(process, code), told)
+    found = process.progress
+    found["peak_mb"] = max(process.peak, found.get("peak_mb", 0.0)) or None
+    if "expected" in found and code == 0:
+        wrong = difference(found["answer"], found["expected"], check.tolerance)
+        return result_of(check, "fail" if wrong else "pass", wrong or check.source, found)
+    return result_of(check, "error", _why(process, code), found)
 
 
 def _watch(check: Check, limits: Limits, stop: Event) -> tuple[Process, int] | str:
@@ -120,14 +119,13 @@ def _watch(check: Check, limits: Limits, stop: Event) -> tuple[Process, int] | s
 
 def _why(process: Process, code: int) -> str:
     """Say why there is no answer."""
-    told = process.told
     steps = {"expected": "its end", "import_seconds": "its computation"}
-    phase = next((name for key, name in steps.items() if key in told), "its import")
+    phase = next((name for key, name in steps.items() if key in process.progress), "its import")
     if process.overrun:
         return f"{phase} {process.overrun} and was stopped"
     starved = "the machine ran out of memory and killed processes" if process.starved else ""
-    if "error" in told:
-        return f"{phase} failed: {told['error']}{starved and f'; {starved}'}"
+    if error := process.progress.get("error"):
+        return f"{phase} failed: {error}{starved and f'; {starved}'}"
     if code == -signal.SIGKILL:
         reason = starved or "perhaps the machine is out of memory"
         return f"{phase} was ended by SIGKILL ({reason})"
@@ -142,26 +140,31 @@ def _advice(check: Check, missing: Sequence[str]) -> str:
     return f"{what}: {install_command(check.extra)}" if check.extra else what
 
 
-def _result(
-    check: Check,
-    versions: dict[str, str],
-    status: Status,
-    message: str,
-    told: dict[str, Any] | None = None,
+def result_of(
+    check: Check, status: Status, message: str, found: Mapping[str, Any] | None = None
 ) -> CheckResult:
+    """Return the result of a check.
+
+    Parameters
+    ----------
+    check, status, message
+        As in the result; secrets in the message are masked.
+    found
+        Those of the result's times, memory, answer and expected answer that are known.
+    """
     from qrobot.jobs.redaction import redact  # here: the processes of the checks need it not
 
-    told = told or {}
-    answer, expected = told.get("answer"), told.get("expected")
+    known: dict[str, Any] = dict(found or {})
+    answer, expected = known.get("answer"), known.get("expected")
     return CheckResult(
         name=check.name,
         title=check.title,
         group=check.group,
         status=status,
-        versions=versions,
-        import_seconds=told.get("import_seconds"),
-        run_seconds=told.get("run_seconds"),
-        peak_mb=told.get("peak_mb"),
+        versions=check.versions(),
+        import_seconds=known.get("import_seconds"),
+        run_seconds=known.get("run_seconds"),
+        peak_mb=known.get("peak_mb"),
         answer=None if answer is None else tuple(answer),
         expected=None if expected is None else tuple(expected),
         tolerance=check.tolerance,

@@ -8,12 +8,21 @@ from typing import Any
 
 import pytest
 
-from qrobot.health.notebooks import TOOLS
+from qrobot.health import Check, CheckResult, Limits
+from qrobot.health.notebooks import TOOLS, run_notebooks
 
 executes = pytest.mark.skipif(
     not all(importlib.util.find_spec(tool) for tool in TOOLS),
     reason="the notebook tools are not installed: pip install 'qrobot[lab]'",
 )
+
+
+def run_notebook(check: Check, folder: Path, limits: Limits | None = None) -> CheckResult:
+    """Return the result of one notebook, whose copy must have been written."""
+    (result,), troubles = run_notebooks([check], folder, limits)
+    for trouble in troubles:
+        raise trouble
+    return result
 
 
 def outputs(folder: Path, name: str) -> list[Any]:

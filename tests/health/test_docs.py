@@ -15,7 +15,7 @@ from qrobot.cli.health import command
 from qrobot.health import PROFILES, Report, system_findings
 from qrobot.health.reports import compare, metrics
 from qrobot.health.reports.compare import LARGER, MEGABYTES, SECONDS, SLOWER
-from qrobot.health.system.board import HOT
+from qrobot.health.system.hardware import HOT
 from qrobot.health.system.memory import FULL, LOW, SMALL, TIGHT
 from qrobot.health.system.network import SERVICES
 

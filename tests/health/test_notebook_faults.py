@@ -12,13 +12,12 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from health.executed import error_kept, executes, outputs
+from health.executed import error_kept, executes, outputs, run_notebook
 from health.planted import CREDENTIALS
 from processes import HANG, gone, until
 
 from qrobot.errors import InputError, MissingExtraError
-from qrobot.health import Check, Limits, kernel, notebooks
-from qrobot.health.notebooks import run_notebook
+from qrobot.health import Check, Limits, notebooks
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -168,7 +167,7 @@ def test_too_long_a_time_ends_the_notebook(
     """The clock goes on when the cell runs, however long the kernel took to start."""
     began = tmp_path / "began"
     clock = SimpleNamespace(monotonic=lambda: 901.0 if began.exists() else 0.0)
-    monkeypatch.setattr(kernel, "time", clock)
+    monkeypatch.setattr(notebooks, "time", clock)
     answer = f"open({str(began)!r}, 'w').close()\n{HANGS}"
     found = run_notebook(plant("slow", answer=answer), tmp_path, Limits(seconds=900))
     assert found.status == "error"
@@ -233,7 +232,7 @@ from pathlib import Path
 from planted_long import CHECK
 from qrobot.health import notebooks
 notebooks.FOLDERS = (Path(sys.argv[1]),)
-notebooks.run_notebook(CHECK, Path(sys.argv[2]))
+notebooks.run_notebooks([CHECK], Path(sys.argv[2]))
 """
 
 

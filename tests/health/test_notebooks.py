@@ -9,10 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from health.executed import error_kept, executes, outputs
+from health.executed import error_kept, executes, outputs, run_notebook
 
 from qrobot.health import Check, all_checks
-from qrobot.health.notebooks import run_notebook
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "healthchecks"

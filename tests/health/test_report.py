@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 import qrobot
 from qrobot.errors import InputError
 from qrobot.health import SCHEMA, read_report
+from qrobot.health.record import json_schema, schema_text
 from qrobot.health.reports import as_json, compare
-from qrobot.health.schema import json_schema, schema_text
 
 VALIDATOR = jsonschema.Draft202012Validator(
     json.loads(schema_text()), format_checker=jsonschema.FormatChecker()
@@ -33,7 +33,7 @@ def written(tmp_path: Path, data: Any) -> Path:
 
 def test_the_shipped_schema_is_the_models() -> None:
     assert json.dumps(json_schema(), indent=1) + "\n" == schema_text(), (
-        "run: python -m qrobot.health.schema > qrobot/health/report.schema.json"
+        "run: python -m qrobot.health.record > qrobot/health/report.schema.json"
     )
     jsonschema.Draft202012Validator.check_schema(json.loads(schema_text()))
 

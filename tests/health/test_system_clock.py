@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from health.made_up import machine
 
-from qrobot.health.system.clock import clock, synchronised
+from qrobot.health.system.software import clock, synchronised
 
 
 @pytest.mark.parametrize(

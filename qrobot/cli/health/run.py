@@ -148,9 +148,8 @@ def run(
     from qrobot.cli.signals import exit_on_signals
     from qrobot.errors import InputError
     from qrobot.health import Limits, choose, make_report, read_report, system_findings
-    from qrobot.health.record import Clockwork
+    from qrobot.health.record import Clockwork, schema_text
     from qrobot.health.reports import compare, document, save
-    from qrobot.health.schema import schema_text
 
     if schema:
         say(schema_text(), end="")

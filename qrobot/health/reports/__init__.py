@@ -5,12 +5,13 @@ from qrobot.health.reports.fleet import Column, FleetHealth, fleet
 from qrobot.health.reports.formats import (
     as_json,
     document,
+    fleet_html,
+    html,
     junit,
     metrics,
     save,
     write_prometheus,
 )
-from qrobot.health.reports.pages import fleet_html, html
 from qrobot.health.reports.summary import (
     attention,
     checks_table,

@@ -206,17 +206,10 @@ def _beyond(old: float | None, new: float | None, factor: float, floor: float) -
     return large - small > floor and large > factor * small
 
 
-def _total(check: CheckResult) -> float | None:
-    if check.run_seconds is None:
-        return None
-    return (check.import_seconds or 0.0) + check.run_seconds
-
-
 def _time(old: CheckResult, new: CheckResult) -> Change | None:
-    before, after = _total(old), _total(new)
-    if not _beyond(before, after, SLOWER, SECONDS):
+    if not _beyond(old.seconds, new.seconds, SLOWER, SECONDS):
         return None
-    return Change("time", new.name, f"{before:.1f} s", f"{after:.1f} s")
+    return Change("time", new.name, f"{old.seconds:.1f} s", f"{new.seconds:.1f} s")
 
 
 def _memory(old: CheckResult, new: CheckResult) -> Change | None:

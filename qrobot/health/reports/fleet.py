@@ -13,7 +13,7 @@ from typing import Any
 
 from qrobot._text import Table, count
 from qrobot.health.model import Report
-from qrobot.health.reports.summary import facts, seconds, totals_line, when
+from qrobot.health.reports.summary import facts, totals_line, when
 
 __all__ = ["Column", "FleetHealth", "fleet"]
 
@@ -308,7 +308,7 @@ def _paces(
     times: dict[str, dict[str, float]] = {}
     for name, report in machines.items():
         for check in report.checks:
-            if (took := seconds(check)) is not None and took > 0:
+            if check.status == "pass" and (took := check.seconds):
                 times.setdefault(check.name, {})[name] = took
     ratios: dict[str, list[float]] = {name: [] for name in machines}
     slow: dict[str, dict[str, float]] = {name: {} for name in machines}

@@ -1,4 +1,4 @@
-"""A report for programs: JSON, JUnit XML for CI servers, metrics for node_exporter's collector.
+"""A report in files: JSON, a page, JUnit XML for CI servers, metrics for node_exporter's collector.
 
 JUnit XML has no standard; this keeps to what Jenkins' schema allows and GitLab, GitHub's actions
 and others read: properties and counts on the suites, ``failure``, ``error`` and ``skipped`` in the
@@ -21,14 +21,34 @@ from qrobot._json import json_text
 from qrobot.errors import InputError
 from qrobot.health.model import CheckResult, Finding, Report, Standing, Status
 from qrobot.health.reports.compare import Comparison
-from qrobot.health.reports.pages import html
-from qrobot.health.reports.summary import totals_line
-from qrobot.health.system.board import THROTTLED
+from qrobot.health.reports.fleet import FleetHealth
+from qrobot.health.reports.summary import (
+    attention,
+    checks_table,
+    machine_line,
+    system_table,
+    totals_line,
+    when,
+)
+from qrobot.health.system.hardware import THROTTLED
+from qrobot.pages import Bar, render
 
 if TYPE_CHECKING:
     from prometheus_client import CollectorRegistry, Gauge
 
-__all__ = ["GAUGES", "as_json", "document", "junit", "metrics", "save", "write_prometheus"]
+__all__ = [
+    "GAUGES",
+    "as_json",
+    "document",
+    "fleet_html",
+    "html",
+    "junit",
+    "metrics",
+    "save",
+    "write_prometheus",
+]
+
+HERE = Path(__file__).parent
 
 FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What XML 1.0 cannot hold, escaped or not."""
@@ -92,6 +112,67 @@ def save(
     return troubles
 
 
+def html(report: Report, comparison: Comparison | None = None) -> str:
+    """Return the page of one report: what needs attention first, then charts, then all of it.
+
+    Parameters
+    ----------
+    report
+        What was found.
+    comparison
+        With an earlier report, to be shown beside it.
+    """
+    asked = "the checks that were named" if report.profile == "named" else report.profile
+    times, memory = _charts(report)
+    return render(
+        HERE / "report.html",
+        report=report,
+        machine=machine_line(report),
+        when=when(report),
+        asked=asked + (", none may be absent" if report.required else ""),
+        totals=totals_line(report),
+        attention=_attention(report),
+        comparison=comparison,
+        times=times,
+        memory=memory,
+        checks=checks_table(report),
+        system=system_table(report),
+    )
+
+
+def fleet_html(fleet: FleetHealth) -> str:
+    """Return the page of a fleet: who is unhealthy, what differs and on whom, and who is slow."""
+    notes = [*fleet.notes, *fleet.bad_lines(), *fleet.slow_lines()]
+    differences = [column.sentence().partition(": ") for column in fleet.columns]
+    return render(
+        HERE / "fleet.html",
+        fleet=fleet,
+        notes=[("", "", note) for note in notes],
+        differences=[("", f"{head}:", rest) for head, _, rest in differences],
+        pace=[Bar(name, (pace,), f"{pace:.2f}") for name, pace in fleet.pace.items() if pace],
+    )
+
+
+def _attention(report: Report) -> list[tuple[str, str, str]]:
+    findings, checks = attention(report)
+    rows: list[tuple[str, str, str]] = [(f.status, f.title, f.message) for f in findings]
+    rows += [(check.status, check.name, check.message) for check in checks]
+    return sorted(rows, key=lambda row: row[0] not in {"fault", "fail", "error"})
+
+
+def _charts(report: Report) -> tuple[list[Bar], list[Bar]]:
+    """Return the seconds and the memory of the checks that began."""
+    times, memory = [], []
+    for check in report.checks:
+        if check.import_seconds is not None:
+            parts = (check.import_seconds, check.run_seconds or 0.0)
+            took = sum(parts)
+            times.append(Bar(check.name, parts, f"{took:.2f}" if took < 100 else f"{took:.0f}"))
+        if check.peak_mb is not None:
+            memory.append(Bar(check.name, (check.peak_mb,), f"{check.peak_mb:.0f}"))
+    return times, memory
+
+
 def junit(report: Report) -> str:
     """Return the XML: one suite a group of checks, and one of the machine.
 
@@ -115,7 +196,7 @@ def junit(report: Report) -> str:
 
 
 def _suite(root: ET.Element, name: str, report: Report, cases: Sequence[ET.Element]) -> None:
-    when = datetime.fromisoformat(report.made).astimezone(UTC)
+    begun = datetime.fromisoformat(report.made).astimezone(UTC)
     suite = ET.SubElement(
         root,
         "testsuite",
@@ -125,7 +206,7 @@ def _suite(root: ET.Element, name: str, report: Report, cases: Sequence[ET.Eleme
         errors=str(sum(case.find("error") is not None for case in cases)),
         skipped=str(sum(case.find("skipped") is not None for case in cases)),
         time=_time(sum(float(case.get("time", "0")) for case in cases)),
-        timestamp=when.strftime("%Y-%m-%dT%H:%M:%S"),  # that schema knows no zone
+        timestamp=begun.strftime("%Y-%m-%dT%H:%M:%S"),  # that schema knows no zone
         hostname=_clean(report.host),
     )
     properties = ET.SubElement(suite, "properties")
@@ -211,8 +292,8 @@ def metrics(report: Report) -> CollectorRegistry:
 
     info = gauge("info", "Who made the report; always 1.", "version", "python", "machine", "model")
     info.labels(report.qrobot, report.python, report.machine, report.model or "").set(1)
-    when = datetime.fromisoformat(report.made).timestamp()
-    gauge("run_timestamp_seconds", "When the run began, in Unix time.").set(when)
+    begun = datetime.fromisoformat(report.made).timestamp()
+    gauge("run_timestamp_seconds", "When the run began, in Unix time.").set(begun)
     gauge("run_duration_seconds", "What the whole run took.").set(report.seconds)
     gauge("healthy", "1: no check is bad and the machine has no fault.").set(report.healthy)
     package = gauge("package_info", "Installed packages; always 1.", "package", "version")

@@ -12,7 +12,6 @@ __all__ = [
     "checks_table",
     "facts",
     "machine_line",
-    "seconds",
     "system_table",
     "totals_line",
     "when",
@@ -105,13 +104,6 @@ def _text(finding: Finding) -> str:
         # The kernel keeps some MiB for itself, and more or less of it with every version.
         return f"{finding.value / 1024:.1f} GiB"
     return finding.text()
-
-
-def seconds(check: CheckResult) -> float | None:
-    """Return what a check that passed took, import and computation."""
-    if check.status != "pass" or check.run_seconds is None:
-        return None
-    return (check.import_seconds or 0.0) + check.run_seconds
 
 
 def first_version(versions: dict[str, str]) -> str:

@@ -9,22 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from qrobot.health.model import Finding
-from qrobot.health.system.board import board, board_model
-from qrobot.health.system.clock import clock
+from qrobot.health.system.hardware import board, board_model, processor
 from qrobot.health.system.machine import Machine
 from qrobot.health.system.memory import memory
-from qrobot.health.system.processor import processor
-from qrobot.health.system.software import software
+from qrobot.health.system.software import clock, software
 
 __all__ = ["Machine", "board_model", "system_findings"]
 
-PROBES: tuple[Callable[[Machine], Iterable[Finding]], ...] = (
-    board,
-    processor,
-    software,
-    memory,
-    clock,
-)
+PROBES: tuple[Callable[[Machine], Iterable[Finding]], ...]
+PROBES = (board, processor, software, memory, clock)
 
 
 def system_findings(machine: Machine | None = None, *, network: bool = False) -> list[Finding]:

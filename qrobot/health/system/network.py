@@ -84,14 +84,14 @@ def network_findings(answer: float = ANSWER) -> list[Finding]:
             target=lambda name: found.put(_finding(name, answer)), args=(service,), daemon=True
         ).start()
     until = time.monotonic() + TELL + 2 * answer
-    told: dict[str, Finding] = {}
+    known: dict[str, Finding] = {}
     with suppress(queue.Empty):
-        while len(told) < len(SERVICES):
+        while len(known) < len(SERVICES):
             finding = found.get(timeout=max(0.0, until - time.monotonic()))
-            told[finding.name] = finding
+            known[finding.name] = finding
     late = "gave no answer in time; check the network"
     return [
-        told.get(_name(service)) or Finding(_name(service), title, "warning", None, late)
+        known.get(_name(service)) or Finding(_name(service), title, "warning", None, late)
         for service, (title, _, _) in SERVICES.items()
     ]
 

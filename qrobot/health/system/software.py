@@ -1,16 +1,18 @@
-"""System, kernel, container, Python, C library."""
+"""System, kernel, container, Python, C library; and whether the clock is right."""
 
 from __future__ import annotations
 
+import ctypes
 import platform
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from datetime import date
 
 from qrobot.health.model import Finding
 from qrobot.health.system.machine import Machine
 
-__all__ = ["software"]
+__all__ = ["clock", "software", "synchronised"]
 
 FIRST, LAST = (3, 11), (3, 13)
 """Versions of Python that qRobot is tested on."""
@@ -20,6 +22,12 @@ END = {(3, 11): date(2027, 10, 31), (3, 12): date(2028, 10, 31), (3, 13): date(2
 
 GLIBC = (2, 28)
 """What the compiled packages are built for: manylinux_2_28."""
+
+STA_UNSYNC, TIME_ERROR = 0x40, 5
+"""From linux/timex.h."""
+
+BEGAN = 2026
+"""A clock that shows an earlier year is wrong: this code is not older."""
 
 
 def software(machine: Machine) -> Iterator[Finding]:
@@ -84,3 +92,49 @@ def _libc(machine: Machine) -> Finding:
     if machine.folders("lib/ld-musl-*"):
         return Finding(*about, "fault", "musl", f"{wanted}; use Debian instead of Alpine")
     return Finding(*about, "unknown", machine.libc or None, wanted)
+
+
+class _Timex(ctypes.Structure):
+    """The beginning of ``struct timex``; what follows is only room for the kernel to fill."""
+
+    _fields_ = (
+        ("modes", ctypes.c_uint),
+        ("offset", ctypes.c_long),
+        ("freq", ctypes.c_long),
+        ("maxerror", ctypes.c_long),
+        ("esterror", ctypes.c_long),
+        ("status", ctypes.c_int),
+        ("rest", ctypes.c_byte * 512),
+    )
+
+
+def synchronised() -> bool | None:
+    """Return whether the kernel's clock is kept right by a time service; None: not told."""
+    with suppress(OSError, AttributeError):
+        adjtimex = ctypes.CDLL(None).adjtimex
+        adjtimex.argtypes, adjtimex.restype = [ctypes.POINTER(_Timex)], ctypes.c_int
+        answer = _Timex(modes=0)  # 0: only ask
+        state = int(adjtimex(ctypes.byref(answer)))
+        if state >= 0:
+            return state != TIME_ERROR and not answer.status & STA_UNSYNC
+    return None
+
+
+def clock(machine: Machine) -> Iterator[Finding]:
+    """Find out about the clock."""
+    about = ("clock-synchronised", "Clock synchronised")
+    if machine.now.year < BEGAN:
+        text = (
+            f"it shows {machine.now:%Y-%m-%d}: services will refuse us; "
+            "run sudo timedatectl set-ntp true, and wait for the network"
+        )
+        yield Finding(*about, "warning", False, text, steady=False)
+        return
+    right = synchronised()
+    if right is None:
+        yield Finding(*about, "unknown", None, "the kernel does not tell", steady=False)
+    elif right:
+        yield Finding(*about, "good", True, "a time service keeps it right", steady=False)
+    else:
+        text = "no time service keeps it right; run sudo timedatectl set-ntp true"
+        yield Finding(*about, "warning", False, text, steady=False)
