@@ -81,7 +81,7 @@ __all__ = ["command"]
     "-p",
     multiple=True,
     type=FILE,
-    help="Draw the plan: .svg or .png, repeatable.",
+    help="Draw the plan: .svg or .png, or .html with moving robots. Repeatable.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON, nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Only warnings and errors.")
@@ -123,7 +123,7 @@ def command(
       qrobot solve example
       qrobot solve examples/small-warehouse.json
       qrobot solve examples/small-warehouse.json -t 5 -o plan.json -p plan.svg -p plan.png
-      qrobot solve examples/small-warehouse.json --objective time
+      qrobot solve examples/small-warehouse.json --objective time -p moving.html
       qrobot solve examples/orders.csv --layout examples/layout.json
       qrobot solve examples/paper-7-items.json --backend neal --control
       qrobot solve X-n101-k25.vrp --robots free --deadline 30
@@ -247,7 +247,7 @@ def _check_files(output: Sequence[str], picture: Sequence[str], inputs: Sequence
         from qrobot.report import check_picture_path
 
         for path in picture:
-            check_picture_path(path)
+            check_picture_path(path, animated=True)
 
 
 def _refuse(flag: str, options: dict[str, Any]) -> None:

@@ -1,11 +1,14 @@
-"""Pages that need nothing but themselves: no script, no font, no request.
+"""Pages that need nothing but themselves: no font, no request, and no script but one of ours.
 
 Who has a page keeps its template beside the code that fills it: it extends ``frame.html`` of this
-folder and takes tables, badges and charts from ``parts.html``. All values are escaped.
+folder and takes tables, badges and charts from ``parts.html``. All values are escaped. A page that
+moves names its `script` in the block ``policy``; a browser runs no other one.
 """
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +21,7 @@ from qrobot._text import shortened
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["Bar", "bars", "render"]
+__all__ = ["Bar", "Script", "bars", "render", "script"]
 
 HERE = Path(__file__).parent
 
@@ -63,6 +66,31 @@ def _environment(folder: Path) -> Environment:
     )
     made.globals |= {"bars": bars, "signs": SIGNS}
     return made
+
+
+@dataclass(frozen=True)
+class Script:
+    """A script of ours.
+
+    Parameters
+    ----------
+    text
+        Itself, safe in a template.
+    source
+        What the page's policy allows: its digest.
+    """
+
+    text: str
+    source: str
+
+
+def script(path: Path) -> Script:
+    """Return the script of a file."""
+    from markupsafe import Markup
+
+    text = path.read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+    return Script(Markup(text), f"sha256-{digest}")  # noqa: S704 - a file of the package
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,9 @@ LANE = 5.0
 BEND = 4.0
 LEAST_SLOT = 3.0
 """Smaller slots are not drawn one by one, but each rack as one."""
+Sharing = dict[Place, list[int]]
+"""The numbers of the trips that pick from a place."""
+
 FONTS = (6.5, 11.0)
 """Of the number on a slot, at least and at most; a smaller one is left out."""
 
@@ -38,6 +41,8 @@ class Mark:
         Which stops of the trip; empty where there is no room.
     font
         Size of the text.
+    last
+        Number of the last stop there.
     """
 
     x: float
@@ -46,6 +51,7 @@ class Mark:
     height: float
     text: str
     font: float
+    last: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +136,10 @@ def floor_plan(scene: Scene, journeys: Sequence[Journey], size: tuple[float, flo
     racks = Racks(house) if isinstance(house, AisleWarehouse) else None
     frame = _Frame(_extent(scene, racks), size)
     shown = {item.id for journey in journeys for item in journey.items}
+    sharing: Sharing = {}
+    for journey in journeys:
+        for place in dict.fromkeys(item.place for item in journey.items):
+            sharing.setdefault(place, []).append(journey.number)
     others = [item.place for item in scene.instance.items if item.id not in shown]
     boxes = [] if racks is None else _rack_boxes(racks, frame)
     return FloorPlan(
@@ -142,7 +152,7 @@ def floor_plan(scene: Scene, journeys: Sequence[Journey], size: tuple[float, flo
         names=() if racks is None else tuple(_names(racks, frame)),
         depot=frame.point(house.depot),
         ways=tuple(
-            _way(journey, track, scene, racks, frame)
+            _way(journey, track, scene, racks, frame, sharing)
             for journey, track in zip(journeys, _tracks(scene, journeys, racks, frame), strict=True)
         ),
         round_marks=racks is None,
@@ -235,7 +245,14 @@ def _tracks(
     return Lanes([j.legs for j in journeys], margin=step).lines(step=step, widths=widths)
 
 
-def _way(journey: Journey, track: Track, scene: Scene, racks: Racks | None, frame: _Frame) -> Way:
+def _way(
+    journey: Journey,
+    track: Track,
+    scene: Scene,
+    racks: Racks | None,
+    frame: _Frame,
+    sharing: Sharing,
+) -> Way:
     corners = [frame.point(at) for at in track.corners]
     letters = {"move": "M", "line": "L", "control": "Q", "curve": ""}
     steps = rounded(corners, BEND)
@@ -245,7 +262,7 @@ def _way(journey: Journey, track: Track, scene: Scene, racks: Racks | None, fram
         colour=journey.colour,
         path=path,
         arrows=tuple(_arrows(corners)),
-        marks=tuple(_marks(journey, scene, racks, frame)),
+        marks=tuple(_marks(journey, scene, racks, frame, sharing)),
         legs=tuple(_legs(corners, [frame.point(stop) for stop in track.stops])),
     )
 
@@ -268,7 +285,9 @@ def _arrows(corners: Sequence[XY], every: float = 120.0, size: float = 9.0) -> I
             yield " ".join(f"{px:.1f},{py:.1f}" for px, py in (tip, left, right))
 
 
-def _marks(journey: Journey, scene: Scene, racks: Racks | None, frame: _Frame) -> Iterable[Mark]:
+def _marks(
+    journey: Journey, scene: Scene, racks: Racks | None, frame: _Frame, sharing: Sharing
+) -> Iterable[Mark]:
     """Yield the places that the trip picks from, with the numbers of its stops there."""
     stops: dict[Place, list[int]] = {}
     for number, item in enumerate(journey.items, 1):
@@ -281,13 +300,16 @@ def _marks(journey: Journey, scene: Scene, racks: Racks | None, frame: _Frame) -
             x, y = frame.point(scene.instance.warehouse.position(place))
             wide = 9 + 7 * len(texts[0])
             x, y, width, height = x - wide / 2, y - 8, wide, 16.0
+        others = sharing[place]  # each has a part of the box, from left to right
+        width /= len(others)
+        x += width * others.index(journey.number)
         for text in texts:
             font = min(FONTS[1], 0.85 * height, 1.5 * width / len(text))
             if font >= FONTS[0]:
-                yield Mark(x, y, width, height, text, round(font, 1))
                 break
         else:
-            yield Mark(x, y, width, height, "", 0.0)
+            text, font = "", 0.0
+        yield Mark(round(x, 2), y, round(width, 2), height, text, round(font, 1), numbers[-1])
 
 
 def _texts(numbers: Sequence[int]) -> list[str]:

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 from qrobot._extras import is_installed, load
 from qrobot._extras import missing as missing_extra
-from qrobot._files import StrPath, path_text, write_bytes_atomic
+from qrobot._files import StrPath, path_text, write_bytes_atomic, write_text_atomic
 from qrobot.errors import InputError
 from qrobot.plan import Plan
 from qrobot.problem import AisleWarehouse, Instance
+from qrobot.report.animation import animation_page
 from qrobot.report.fonts import families, font_notes
 from qrobot.report.palette import INK
 from qrobot.report.scene import scene_of
@@ -32,10 +33,10 @@ DOTS_PER_INCH = 160
 def plot(
     answer: Result | Plan | StrPath, path: StrPath, instance: Instance | StrPath | None = None
 ) -> None:
-    """Draw a plan and write it as SVG or PNG, as the file's suffix says.
+    """Draw a plan and write it as SVG or PNG, or as an animated page, as the file's suffix says.
 
     More than 12 trips are drawn on a small map each, too. Names are drawn in fonts of this machine
-    that have their characters.
+    that have their characters. A page (``.html``) shows the robots moving along their ways.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def plot(
     Raises
     ------
     MissingExtraError
-        When matplotlib is not installed.
+        When matplotlib is not installed; a page does not need it.
     InputError
         When the suffix is another one, the file cannot be written, or plan and instance do
         not belong together.
@@ -67,8 +68,11 @@ def draw(
     answer: Result | Plan | StrPath, path: StrPath, instance: Instance | StrPath | None = None
 ) -> tuple[str, ...]:
     """Do what `plot` does, and return what a person should know of the picture, a sentence each."""
-    kind = check_picture_path(path)
+    kind = check_picture_path(path, animated=True)
     scene = scene_of(answer, instance)
+    if kind == "html":
+        write_text_atomic(path, animation_page(scene))
+        return ()
     texts = scene.texts()
     with style(texts) as missing:
         from qrobot.report.draw_aisles import draw_aisles
@@ -80,8 +84,15 @@ def draw(
         return tuple(font_notes(missing, texts)) if kind == "png" else ()
 
 
-def check_picture_path(path: str | os.PathLike[str]) -> str:
-    """Return the kind of picture that a path asks for, ``svg`` or ``png``.
+def check_picture_path(path: str | os.PathLike[str], *, animated: bool = False) -> str:
+    """Return the kind of picture that a path asks for: ``svg`` or ``png``.
+
+    Parameters
+    ----------
+    path
+        Where it is to be written.
+    animated
+        Whether an animated page, ``html``, will do as well.
 
     Raises
     ------
@@ -90,13 +101,15 @@ def check_picture_path(path: str | os.PathLike[str]) -> str:
     MissingExtraError
         When matplotlib is not installed; found out without importing it.
     """
+    kind = Path(path_text(path)).suffix.lower().lstrip(".")
+    if kind == "html" and animated:
+        return kind
     if not is_installed("matplotlib"):
         raise missing_extra("drawing pictures", "matplotlib")
-    kind = Path(path_text(path)).suffix.lower().lstrip(".")
     if kind not in {"svg", "png"}:
         raise InputError(
             f"{os.fspath(path)!r} does not say the kind of picture",
-            advice="end it with .svg or .png",
+            advice="end it with .svg or .png" + (", or .html for a moving one" if animated else ""),
         )
     return kind
 
