@@ -32,6 +32,7 @@ BUILTIN = {
         KnownFormat("qrobot.problem.formats.picking_hi", "HI"),
         KnownFormat("qrobot.problem.formats.picking_briant", "Briant"),
     ),
+    ".ord": (KnownFormat("qrobot.problem.formats.picking_lorenci", "Lorenci", ("layout",)),),
 }
 """By suffix; a module is imported when a file of its kind is met."""
 
