@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, ReadingCommand, question
+from qrobot.cli.options import FILE, Question, ReadingCommand, as_planned
 from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
@@ -16,14 +15,9 @@ __all__ = ["command"]
 @click.command("check", cls=ReadingCommand)
 @click.argument("plan", type=FILE)
 @click.argument("instance", type=FILE)
-@question
+@as_planned
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
-def command(
-    plan: str,
-    instance: str,
-    as_json: bool,
-    **given: Any,
-) -> None:
+def command(plan: str, question: Question, as_json: bool) -> None:
     """Check a plan against its instance, without trusting any solver.
 
     Every item once, orders whole, loads within capacity, robots known, and every distance
@@ -37,9 +31,8 @@ def command(
       qrobot check plan.json orders.csv --layout layout.json --split-orders
     """
     from qrobot.plan import check, read_plan
-    from qrobot.problem.formats import read
 
-    report = check(read_plan(plan), read(instance, **given))
+    report = check(read_plan(plan), question.read())
     if as_json:
         say_json(report.to_dict())
     else:

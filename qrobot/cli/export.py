@@ -7,15 +7,7 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import (
-    FILE,
-    ReadingCommand,
-    Robots,
-    ignore_columns,
-    layout,
-    rounding,
-    written,
-)
+from qrobot.cli.options import FILE, Question, ReadingCommand, asked_anew, written
 from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
@@ -48,17 +40,10 @@ __all__ = ["command"]
     help="Mixer of the circuit: swap, swap-all or grover.",
 )
 @click.option("--layers", type=int, default=1, show_default=True, help="Layers of the circuit.")
-@layout
-@ignore_columns
-@rounding
-@click.option("--robots", type=Robots(), help="Number of robots instead of the file's, or 'free'.")
-@click.option("--capacity", help="Capacity of every robot instead of the file's.")
-@click.option(
-    "--split-orders", is_flag=True, help="Make each item an order of its own, as in the paper."
-)
+@asked_anew
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def command(
-    instance: str,
+    question: Question,
     output: str | None,
     encoding: str | None,
     slack: str | None,
@@ -66,12 +51,6 @@ def command(
     circuit: str | None,
     mixer: str,
     layers: int,
-    layout: str | None,
-    ignore_columns: tuple[str, ...],
-    rounding: str | None,
-    robots: int | str | None,
-    capacity: str | None,
-    split_orders: bool,
     as_json: bool,
 ) -> None:
     """Write the model of an instance as a file for other programs.
@@ -99,31 +78,22 @@ def command(
         load("docplex", "an LP file")
 
     from qrobot._files import check_outputs
-    from qrobot.problem.formats import read
 
     if output is not None:
         from qrobot.models.export import format_of
 
         format_of(output)
-    check_outputs(outputs, [instance, *([layout] if layout else [])])
-    question = read(
-        instance,
-        layout=layout,
-        robots=robots,
-        capacity=capacity,
-        split_orders=split_orders,
-        rounding=rounding,
-        ignore_columns=ignore_columns,
-    )
+    check_outputs(outputs, question.files)
+    instance = question.read()
     report: dict[str, Any] = {}
     if output is not None:
         from qrobot.models.export import export_model
 
-        report = {"path": output} | export_model(question, output, encoding, slack, penalties)
+        report = {"path": output} | export_model(instance, output, encoding, slack, penalties)
     if circuit is not None:
         from qrobot.backends.gate.qasm import export_circuit
 
-        report["circuit"] = {"path": circuit} | export_circuit(question, circuit, mixer, layers)
+        report["circuit"] = {"path": circuit} | export_circuit(instance, circuit, mixer, layers)
     if as_json:
         say_json(report)
         return

@@ -94,9 +94,9 @@ def main(arguments: list[str] | None = None) -> None:
     except SystemExit as done:  # a command that tells its own code
         code = done.code
     except click.ClickException as error:
-        told = io.StringIO()
-        error.show(told)
-        say(told.getvalue(), err=True, end="")
+        page = io.StringIO()
+        error.show(page)
+        say(page.getvalue(), err=True, end="")
         code = 2
     except (click.Abort, KeyboardInterrupt):
         say("qrobot: interrupted", err=True)

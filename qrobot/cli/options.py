@@ -7,7 +7,9 @@ import json
 import math
 import re
 from collections.abc import Callable
-from typing import Any, NoReturn, TypeVar
+from dataclasses import dataclass
+from functools import wraps
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
 
 import click
 
@@ -15,15 +17,18 @@ from qrobot._formats import known_formats
 from qrobot._json import json_text
 from qrobot.errors import InputError
 
+if TYPE_CHECKING:
+    from qrobot.problem import Instance
+
 __all__ = [
     "FILE",
+    "Question",
     "ReadingCommand",
     "Robots",
     "Setting",
-    "ignore_columns",
-    "layout",
+    "as_planned",
+    "asked_anew",
     "objective",
-    "question",
     "rounding",
     "seconds",
     "settings_of",
@@ -70,60 +75,13 @@ class ReadingCommand(click.Command):
         click.Command.format_help(filled, ctx, formatter)
 
 
-layout = click.option("--layout", type=FILE, help="Layout and robots of {layout} orders.")
-
-rounding = click.option(
-    "--rounding", help="Rounding of {rounding} distances: none, nearest, up or down."
-)
-
-
 def _names(_ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name.strip() for text in value for name in text.split(",") if name.strip())
 
 
-ignore_columns = click.option(
-    "--ignore-columns",
-    multiple=True,
-    callback=_names,
-    help="Columns of {ignore_columns} orders to ignore, separated by commas.",
+rounding = click.option(
+    "--rounding", help="Rounding of {rounding} distances: none, nearest, up or down."
 )
-
-
-def question(function: Function) -> Function:
-    """Add what a question was read with when a plan was made of it, as `read` takes it."""
-    for option in (
-        click.option("--split-orders", is_flag=True, help="The orders were allowed to be split."),
-        click.option("--capacity", help="The capacity that the plan was made with."),
-        click.option(
-            "--robots", type=Robots(), help="The number of robots that the plan was made with."
-        ),
-        rounding,
-        ignore_columns,
-        layout,
-    ):
-        function = option(function)
-    return function
-
-
-def written(*names: str, **more: Any) -> Callable[[Function], Function]:
-    """Return an option that names a file to write, and refuses a second one.
-
-    Of an option that is given twice, click would pass over the first: a file that was asked for
-    would not be written, without a word.
-    """
-
-    def only(
-        _ctx: click.Context, param: click.Parameter, paths: tuple[str, ...] | None
-    ) -> str | None:
-        if paths and len(paths) > 1:
-            raise InputError(
-                f"is given {len(paths)} times ({', '.join(paths)})",
-                field=max(param.opts, key=len),
-                advice="give one file",
-            )
-        return paths[0] if paths else None
-
-    return click.option(*names, type=FILE, multiple=True, callback=only, **more)
 
 
 class Robots(click.ParamType[int | str]):
@@ -145,6 +103,96 @@ class Robots(click.ParamType[int | str]):
             field="--robots",
             advice="give 1 or more, or 'free'",
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """The file of an instance, and the options that say how it is read."""
+
+    path: str
+    options: dict[str, Any]
+
+    @property
+    def files(self) -> list[str]:
+        """All files that are read."""
+        return [path for path in (self.path, self.options["layout"]) if path]
+
+    def read(self) -> Instance:
+        """Return the instance."""
+        from qrobot.problem.formats import read
+
+        return read(self.path, **self.options)
+
+
+def question(robots: str, capacity: str, split_orders: str) -> Callable[[Function], Function]:
+    """Return what adds the options of reading an instance, and hands them over as a `Question`.
+
+    Parameters
+    ----------
+    robots, capacity, split_orders
+        The help of these options.
+    """
+    options = {
+        "layout": click.option("--layout", type=FILE, help="Layout and robots of {layout} orders."),
+        "ignore_columns": click.option(
+            "--ignore-columns",
+            multiple=True,
+            callback=_names,
+            help="Columns of {ignore_columns} orders to ignore, separated by commas.",
+        ),
+        "rounding": rounding,
+        "robots": click.option("--robots", type=Robots(), help=robots),
+        "capacity": click.option("--capacity", help=capacity),
+        "split_orders": click.option("--split-orders", is_flag=True, help=split_orders),
+    }
+
+    def add(function: Function) -> Function:
+        @wraps(function)
+        def command(instance: str, **given: Any) -> Any:
+            reading = {name: given.pop(name) for name in options}
+            return function(question=Question(instance, reading), **given)
+
+        for option in reversed(options.values()):
+            command = option(command)
+        return cast("Function", command)
+
+    return add
+
+
+asked_anew = question(
+    "The first N robots (or more like them), or 'free': no limit.",
+    "Capacity of every robot instead of the file's.",
+    "Make each item an order of its own, as in the paper.",
+)
+"""Options of a command that plans."""
+
+as_planned = question(
+    "The number of robots that the plan was made with.",
+    "The capacity that the plan was made with.",
+    "The orders were allowed to be split.",
+)
+"""Options of a command that reads a plan and its question."""
+
+
+def written(*names: str, **more: Any) -> Callable[[Function], Function]:
+    """Return an option that names a file to write, and refuses a second one.
+
+    Of an option that is given twice, click would pass over the first: a file that was asked for
+    would not be written, without a word.
+    """
+
+    def only(
+        _ctx: click.Context, param: click.Parameter, paths: tuple[str, ...] | None
+    ) -> str | None:
+        if paths and len(paths) > 1:
+            raise InputError(
+                f"is given {len(paths)} times ({', '.join(paths)})",
+                field=max(param.opts, key=len),
+                advice="give one file",
+            )
+        return paths[0] if paths else None
+
+    return click.option(*names, type=FILE, multiple=True, callback=only, **more)
 
 
 OWN_FLAGS = {

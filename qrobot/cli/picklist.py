@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, ReadingCommand, question, written
+from qrobot.cli.options import FILE, Question, ReadingCommand, as_planned, written
 from qrobot.cli.streams import say, say_json
 from qrobot.errors import InputError
 
@@ -31,17 +31,16 @@ FORMATS = ("csv", "json", "html")
     type=click.Choice(["a4", "a5", "label"]),
     help="What the page is printed on; a label is 100 x 150 mm.  [default: a4]",
 )
-@question
+@as_planned
 @click.option("--json", "as_json", is_flag=True, help="Print the lists as JSON, nothing else.")
 def command(
     plan: str,
-    instance: str,
+    question: Question,
     form: str | None,
     output: str | None,
     robot: tuple[str, ...],
     paper: str | None,
     as_json: bool,
-    **given: Any,
 ) -> None:
     """Print what each robot takes at each stop, and the basket that it goes into.
 
@@ -64,12 +63,10 @@ def command(
     from qrobot._files import check_outputs, write_text_atomic
     from qrobot._text import count
     from qrobot.plan import read_plan
-    from qrobot.problem.formats import read
     from qrobot.report import pick_lists
 
-    layout = [given["layout"]] if given["layout"] else []
-    check_outputs([output] if output is not None else [], [plan, instance, *layout])
-    lists = pick_lists(read_plan(plan), read(instance, **given), robot)
+    check_outputs([output] if output is not None else [], [plan, *question.files])
+    lists = pick_lists(read_plan(plan), question.read(), robot)
     if output is not None:
         write_text_atomic(output, _text(lists, form, paper))
     if as_json:

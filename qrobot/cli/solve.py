@@ -10,19 +10,18 @@ import click
 
 from qrobot.cli.options import (
     FILE,
+    Question,
     ReadingCommand,
-    Robots,
     Setting,
-    ignore_columns,
-    layout,
+    asked_anew,
     objective,
-    rounding,
     settings_of,
 )
 from qrobot.cli.streams import say, say_json
 
 if TYPE_CHECKING:
     from qrobot.planning import Result
+    from qrobot.problem import Instance
 
 __all__ = ["command"]
 
@@ -45,16 +44,7 @@ __all__ = ["command"]
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
 @objective
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of every random choice.")
-@click.option(
-    "--robots", type=Robots(), help="The first N robots (or more like them), or 'free': no limit."
-)
-@click.option("--capacity", help="Capacity of every robot instead of the file's.")
-@click.option(
-    "--split-orders", is_flag=True, help="Make each item an order of its own, as in the paper."
-)
-@layout
-@ignore_columns
-@rounding
+@asked_anew
 @click.option("--encoding", help="Sampler: full, reduced or compact.")
 @click.option("--slack", help="Sampler: exact or paper.")
 @click.option("--reads", type=int, help="Sampler: number of reads.")
@@ -86,31 +76,19 @@ __all__ = ["command"]
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON, nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Only warnings and errors.")
 def command(
-    instance: str,
+    question: Question,
     backend: str,
-    deadline: float | None,
-    max_work: int | None,
-    objective: str,
-    seed: int,
-    robots: int | str | None,
-    capacity: str | None,
-    split_orders: bool,
-    layout: str | None,
-    ignore_columns: tuple[str, ...],
-    rounding: str | None,
     encoding: str | None,
     slack: str | None,
     reads: int | None,
     settings: tuple[tuple[str, Any], ...],
-    control: bool,
-    fallback: str | None,
-    max_cost: float | None,
     dry_run: bool,
     no_wait: bool,
     output: tuple[str, ...],
     picture: tuple[str, ...],
     as_json: bool,
     quiet: bool,
+    **asked: Any,
 ) -> None:
     """Plan which robot collects which orders, in which sequence, by which way.
 
@@ -135,15 +113,14 @@ def command(
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from qrobot.backends.registry import require
 
-    if fallback is None:
+    if asked["fallback"] is None:
         require(backend)  # before numpy and dimod: what is absent is told at once
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
     from qrobot.errors import InfeasibleError
     from qrobot.planning import solve
-    from qrobot.problem.formats import read
 
-    _check_files(output, picture, [instance, *([layout] if layout else [])])
+    _check_files(output, picture, question.files)
     options = settings_of(
         {
             "encoding": ("--encoding", encoding),
@@ -154,42 +131,19 @@ def command(
     )
     with stop_on_signals() as stop:
         with progress_line(quiet or as_json) as line:
-            question = read(
-                instance,
-                layout=layout,
-                robots=robots,
-                capacity=capacity,
-                split_orders=split_orders,
-                rounding=rounding,
-                ignore_columns=ignore_columns,
-            )
+            instance = question.read()
             if dry_run or no_wait:
-                useless = {
-                    "--output": output, "--picture": picture, "--control": control,
-                    "--fallback": fallback, "--deadline": deadline,
-                }  # fmt: skip
+                useless = {"--output": output, "--picture": picture}
+                useless |= {
+                    f"--{name}": asked[name] for name in ("control", "fallback", "deadline")
+                }
                 _refuse("--dry-run" if dry_run else "--no-wait", useless)
-                asked = {"seed": seed, **options}
-                if dry_run:
-                    _estimate(question, backend, max_cost, as_json, max_work=max_work, **asked)
-                else:
-                    asked |= {"max_cost": max_cost, "objective": objective}
-                    _hand_over(question, backend, as_json, **asked)
+                part = _estimate if dry_run else _hand_over
+                part(instance, backend, asked, options, as_json)
                 return
             try:
                 result = solve(
-                    question,
-                    backend=backend,
-                    deadline=deadline,
-                    max_work=max_work,
-                    seed=seed,
-                    control=control,
-                    max_cost=max_cost,
-                    fallback=fallback,
-                    objective=objective,
-                    stop=stop,
-                    on_progress=line,
-                    **options,
+                    instance, backend=backend, stop=stop, on_progress=line, **asked, **options
                 )
             except InfeasibleError as error:
                 if stop.requested and not error.proven:
@@ -256,29 +210,33 @@ def _refuse(flag: str, options: dict[str, Any]) -> None:
 
     for name, value in options.items():
         if value not in (None, False, ()):
-            raise InputError(f"{flag} makes no plan yet", field=name, advice="leave it out")
+            raise InputError(f"{flag} makes no plan yet", field=f"--{name}", advice="leave it out")
 
 
 def _estimate(
-    question: Any, backend: str, max_cost: float | None, as_json: bool, **asked: Any
+    instance: Instance, backend: str, asked: dict[str, Any], options: dict[str, Any], as_json: bool
 ) -> None:
     """Say what a remote job would cost."""
     from qrobot.jobs import check_budget
     from qrobot.planning import estimate
 
-    cost = estimate(question, backend, **asked)
-    check_budget(cost, max_cost)
+    limits = {name: asked[name] for name in ("seed", "max_work")}
+    cost = estimate(instance, backend, **limits, **options)
+    check_budget(cost, asked["max_cost"])
     if as_json:
         say_json({"backend": backend, "submitted": False, "estimate": cost.to_dict()})
     else:
         say(f"{backend} would cost {cost}; nothing was submitted")
 
 
-def _hand_over(question: Any, backend: str, as_json: bool, **asked: Any) -> None:
+def _hand_over(
+    instance: Instance, backend: str, asked: dict[str, Any], options: dict[str, Any], as_json: bool
+) -> None:
     """Submit a remote job, and say how its plan is fetched."""
     from qrobot.planning import submit
 
-    job = submit(question, backend, **asked)
+    wishes = {name: asked[name] for name in ("seed", "max_cost", "objective")}
+    job = submit(instance, backend, **wishes, **options)
     if as_json:
         say_json(job)
     else:
