@@ -54,7 +54,7 @@ BUILTIN: dict[str, tuple[str, str, str]] = {
     "dwave-qpu": ("qrobot.backends.dwave.qpu", "DWaveQPUSampler", "dwave.system"),
     "leap-bqm": ("qrobot.backends.dwave.leap", "LeapBQMSampler", "dwave.system"),
     "leap-cqm": ("qrobot.backends.dwave.leap", "LeapCQMSampler", "dwave.system"),
-    "leap-nl": ("qrobot.backends.dwave.leap_nl", "LeapNLSampler", "dwave.system"),
+    "leap-nl": ("qrobot.backends.dwave.leap", "LeapNLSampler", "dwave.system"),
 }
 """In order of preference."""
 

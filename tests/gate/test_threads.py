@@ -35,14 +35,14 @@ def test_every_variational_sampler_works_within_it(monkeypatch: pytest.MonkeyPat
         sdk = extra = "none"
         algorithm = "vqe"
 
-        def check(self, qubits, options, own):
+        def check(self, qubits, options):
             return True
 
-        def engine(self, ansatz, options, own):
+        def engine(self, circuit, options):
             from qrobot.backends.gate.engine import PlainEngine
 
             seen.append(threads())
-            return PlainEngine(ansatz.circuit)
+            return PlainEngine(circuit)
 
     with threadpool_limits(limits=2):
         bqm = dimod.BinaryQuadraticModel({0: 1.0, 1: -1.0}, {}, 0.0, "BINARY")

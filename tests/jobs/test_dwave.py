@@ -148,7 +148,7 @@ def constrained():
 
 
 def nonlinear():
-    from qrobot.backends.dwave.leap_nl import LeapNLSampler
+    from qrobot.backends.dwave.leap import LeapNLSampler
 
     return kept(LeapNLSampler())
 

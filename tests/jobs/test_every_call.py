@@ -34,11 +34,11 @@ SDK_NAMES = {
 }  # fmt: skip
 """What reaches a network: named only where its calls are wrapped."""
 AT_HOME = {
-    "AwsDevice": {"session.py"},
+    "AwsDevice": {"devices.py"},
     "AwsQuantumTask": {"jobs.py"},
-    "AwsSession": {"session.py"},
-    "Problems": {"jobs.py"},
-    "QiskitRuntimeService": {"account.py"},
+    "AwsSession": {"devices.py"},
+    "Problems": {"client.py"},
+    "QiskitRuntimeService": {"jobs.py"},
 }
 
 
@@ -219,16 +219,16 @@ def test_what_circuits_are_made_for_is_asked_in_the_wrapper() -> None:
     class Away(VariationalSampler):
         sdk, algorithm, extra = "away", "qaoa", "ibm"
 
-        def check(self, qubits, options, own):
+        def check(self, qubits, options):
             return False
 
-        def connect(self, qubits, options, own, job_options):
+        def connect(self, qubits, options, job_options):
             return object()
 
-        def engine(self, ansatz, options, own):
+        def engine(self, circuit, options):
             raise AssertionError("it is remote")
 
-        def remote_engine(self, machine, ansatz, options, own):
+        def remote_engine(self, machine, circuit, options):
             raise type("SomeError", (Exception,), {"status_code": 401})(f"token={TOKEN}")
 
     import dimod

@@ -22,7 +22,7 @@ def test_aer_agrees_with_numpy(kind):
     """Whole states, with truncation off: see qiskit-aer#2442."""
     bqm = random_model(5, 8)
     ansatz = make_ansatz(kind, Form.from_bqm(bqm), terms(bqm), 2)
-    engine = load("qiskit-vqe")().engine(ansatz, Options(device="aer"), {})
+    engine = load("qiskit-vqe")().engine(ansatz.circuit, Options(device="aer"))
     angles = ansatz.circuit.angles(ansatz.start(np.random.default_rng(4)))
     expected = PlainEngine(ansatz.circuit).probabilities(angles)
     np.testing.assert_allclose(engine.probabilities(angles), expected, atol=1e-9)

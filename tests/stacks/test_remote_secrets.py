@@ -152,7 +152,7 @@ def test_the_command_line_with_debug(search, monkeypatch, capfd):
     from qrobot.cli.main import main
 
     error = ("error", "get_device", "ValidationException", TEXT, 400)
-    monkeypatch.setattr("qrobot.backends.braket.session.session", lambda region: Session(error))
+    monkeypatch.setattr("qrobot.backends.braket.devices.session", lambda region: Session(error))
     example = Path(__file__).parents[2] / "examples" / "paper-4-items.json"
     words = ["--debug", "solve", str(example), "--backend", "braket-qaoa"]
     with pytest.raises(SystemExit) as ended:

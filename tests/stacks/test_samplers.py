@@ -95,7 +95,7 @@ def test_states_are_those_of_numpy(name, kind):
     form = Form.from_bqm(bqm)
     ansatz = make_ansatz(kind, form, terms(bqm), 2)
     options = options_of(sampler)
-    engine = sampler.engine(ansatz, options, {})
+    engine = sampler.engine(ansatz.circuit, options)
     assert isinstance(engine, StateEngine)
     angles = ansatz.circuit.angles(ansatz.start(np.random.default_rng(1)) + 0.3)
     plain = PlainEngine(ansatz.circuit)

@@ -27,12 +27,12 @@ class PlainSampler(VariationalSampler):
 
     sdk, algorithm, extra = "plain", "vqe", "qiskit"
 
-    def check(self, qubits, options, own):
+    def check(self, qubits, options):
         room(qubits, "numpy")
         return True
 
-    def engine(self, ansatz, options, own):
-        return PlainEngine(ansatz.circuit)
+    def engine(self, circuit, options):
+        return PlainEngine(circuit)
 
 
 def every_gate() -> Circuit:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 from typing import Any, ClassVar
 
-from qrobot.backends.braket.session import session
+from qrobot.backends.braket.devices import TITLE, session
 from qrobot.errors import RemoteError
 from qrobot.jobs.circuits import CircuitJobs, instant, samples_of
 from qrobot.jobs.job import Answer, RemoteJob, State
@@ -17,7 +17,7 @@ class BraketTasks(CircuitJobs):
     """Quantum tasks of Amazon Braket; `start` should set the tag ``qrobot`` to the label."""
 
     service = "braket"
-    title = "Amazon Braket"
+    title = TITLE
     states: ClassVar[dict[str, State]] = {
         "CREATED": "queued", "QUEUED": "queued", "RUNNING": "running", "COMPLETED": "done",
         "FAILED": "failed", "CANCELLING": "running", "CANCELLED": "cancelled",

@@ -13,10 +13,8 @@ import numpy as np
 
 from qrobot._arrays import Bits, Floats
 from qrobot._extras import load
-from qrobot.backends.braket.devices import arn_of
-from qrobot.backends.braket.session import check_status, open_device
+from qrobot.backends.braket.devices import arn_of, check_status, open_device
 from qrobot.backends.braket.tasks import TaskEngine, check_fit
-from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import TURNING, Circuit, lowered
 from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.gate.form import terms
@@ -103,7 +101,6 @@ class _Local(StateEngine):
         self.facts = {"device": name}
 
     def probabilities(self, angles: Floats) -> Floats:
-        """Return the probabilities of all assignments."""
         self.executions += 1
         made = circuit_of(self.circuit, angles, reverse=True).probability()
         result = self._device.run(made, shots=0).result()
@@ -146,9 +143,7 @@ class _Braket(VariationalSampler):
     sdk = "braket"
     own: ClassVar[dict[str, Parameter]] = {"run_options": Parameter("names")}
 
-    def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
-        """Refuse what does not fit; True for devices of this machine."""
-        del own
+    def check(self, qubits: int, options: Options) -> bool:
         load("braket.circuits", f"backend {self.name}")
         device = options.device or "local"
         if not isinstance(device, str) or device in ("local", "braket_sv", "braket_dm"):
@@ -169,21 +164,17 @@ class _Braket(VariationalSampler):
         room(qubits, "Braket's local simulator")
         return True
 
-    def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return a local device, ready to run the ansatz."""
-        device, run = options.device or "local", dict(own.get("run_options") or {})
+    def engine(self, circuit: Circuit, options: Options) -> Engine:
+        device, run = options.device or "local", dict(options.own.get("run_options") or {})
         if isinstance(device, str):
             name = "braket_sv" if device == "local" else device
             if options.shots is None:
-                return _Local(ansatz.circuit, name)
+                return _Local(circuit, name)
             device = load("braket.devices", "backend braket").LocalSimulator(name)
-        return _Shots(ansatz.circuit, device, run)
+        return _Shots(circuit, device, run)
 
-    def connect(
-        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
-    ) -> Any:
+    def connect(self, qubits: int, options: Options, job_options: JobOptions) -> Any:
         """Return an ``AwsDevice`` that holds the model and is online."""
-        del own
         device = options.device
         if isinstance(device, str):
             arn = arn_of(device)
@@ -202,16 +193,11 @@ class _Braket(VariationalSampler):
         check_fit(device, qubits, shots)
         return device
 
-    def remote_engine(
-        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
-    ) -> TaskEngine:
-        """Return an ``AwsDevice``, ready to run the ansatz."""
-        del options
-
+    def remote_engine(self, machine: Any, circuit: Circuit, options: Options) -> TaskEngine:
         def build(angles: Floats, native: bool) -> Any:
-            return circuit_of(ansatz.circuit, angles, native=native)
+            return circuit_of(circuit, angles, native=native)
 
-        return TaskEngine(ansatz.circuit, machine, build, dict(own.get("run_options") or {}))
+        return TaskEngine(circuit, machine, build, dict(options.own.get("run_options") or {}))
 
 
 class BraketVQE(_Braket):

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 from qrobot._arrays import Floats
+from qrobot.backends.braket.devices import TITLE, properties_of
 from qrobot.backends.braket.jobs import BraketTasks
-from qrobot.backends.braket.session import TITLE, properties_of
 from qrobot.backends.gate.circuit import Circuit
-from qrobot.backends.gate.engine import JobEngine
-from qrobot.errors import BackendError, InputError
+from qrobot.backends.gate.engine import JobEngine, check_size
+from qrobot.errors import InputError
 from qrobot.jobs import Estimate, by_shots, by_time, device_price, price
 from qrobot.jobs.cost import price_source
 
@@ -115,11 +115,7 @@ def check_fit(device: Any, qubits: int, shots: int) -> None:
     known = properties_of(device)
     most = getattr(getattr(known, "paradigm", None), "qubitCount", None)
     name = getattr(device, "name", "") or device.arn
-    if most is not None and qubits > most:
-        raise BackendError(
-            f"the model needs {qubits} qubits and device {name} has {most}; "
-            "use a smaller model or a larger device"
-        )
+    check_size(qubits, most, name)
     allowed = getattr(getattr(known, "service", None), "shotsRange", None)
     if allowed is not None and shots > allowed[1]:
         raise InputError(

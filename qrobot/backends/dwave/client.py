@@ -10,9 +10,8 @@ import dimod
 
 from qrobot._extras import load
 from qrobot.backends.base import Capabilities
-from qrobot.backends.dwave.jobs import DWaveJobs, check_token, connection, run_seconds
 from qrobot.backends.sampler import Parameter, PickingSampler
-from qrobot.errors import RemoteError
+from qrobot.errors import CredentialsError, RemoteError
 from qrobot.jobs import (
     LIMITS,
     Answer,
@@ -25,9 +24,77 @@ from qrobot.jobs import (
     run_job,
     with_retries,
 )
+from qrobot.jobs.circuits import instant
 from qrobot.jobs.cost import by_time, price, price_source
+from qrobot.jobs.credentials import SERVICES
+from qrobot.jobs.redaction import register_secret
 
-__all__ = ["DWaveCloudSampler"]
+__all__ = ["DWaveCloudSampler", "answered", "opened"]
+
+STATES: dict[str, State] = {
+    "PENDING": "queued",
+    "IN_PROGRESS": "running",
+    "COMPLETED": "done",
+    "FAILED": "failed",
+    "CANCELLED": "cancelled",
+}
+
+
+def check_token(config: dict[str, Any]) -> None:
+    """Refuse at once, without asking a network, when there is no token.
+
+    Parameters
+    ----------
+    config
+        ``config_file`` and ``profile``, when they are not the default ones.
+
+    Raises
+    ------
+    CredentialsError
+        When the SDK's files and variables hold no token, or cannot be read.
+    """
+    from dwave.cloud.config import load_config
+
+    named = {name: config[name] for name in ("config_file", "profile") if name in config}
+    advice = SERVICES["dwave"][2]
+    try:
+        found = load_config(**named)
+    except Exception as error:
+        why = type(error).__name__
+    else:
+        token = found.get("token")
+        register_secret(token)
+        if token:
+            return
+        why = ""
+    reason = f" ({why} in the configuration of the D-Wave SDK)" if why else ""
+    raise CredentialsError(f"there are no credentials for D-Wave Leap{reason}; {advice}")
+
+
+def connection(config: dict[str, Any]) -> dict[str, Any]:
+    """Return arguments of a D-Wave client that gives up sooner than the SDK would.
+
+    The SDK's own files and variables win over these defaults.
+    """
+    defaults = {"request_timeout": 30.0, "http_retry_total": 2, "http_retry_backoff_factor": 0.1}
+    return {"defaults": defaults} | config
+
+
+def opened(sampler: Any, config: dict[str, Any]) -> Any:
+    """Return a sampler of dwave-system; when it cannot be made, leave no thread behind.
+
+    The SDK starts a dozen threads before it asks for solvers, and forgets them when that
+    fails: a robot that tries all day would run out of them.
+    """
+    made = sampler.__new__(sampler)
+    try:
+        sampler.__init__(made, **config)
+    except Exception:
+        client = getattr(made, "client", None)
+        if client is not None:
+            client.close(wait=False)
+        raise
+    return made
 
 
 class DWaveCloudSampler(PickingSampler):
@@ -54,7 +121,7 @@ class DWaveCloudSampler(PickingSampler):
         self._limit: float | None = None
         self._backoff: Backoff | None = None
         self._asked: Any = None
-        self._jobs: DWaveJobs | None = None
+        self._problems: Any = None
         self._local: dict[str, dimod.SampleSet] = {}
 
     @property
@@ -94,7 +161,7 @@ class DWaveCloudSampler(PickingSampler):
             backoff=self._backoff,
             stop=self._asked,
         )
-        self._device, self._jobs = device, None
+        self._device, self._problems = device, None
         return self._child
 
     def close(self) -> None:
@@ -103,19 +170,25 @@ class DWaveCloudSampler(PickingSampler):
         Jobs go on at the service, and nobody waits for them here.
         """
         if self._given is None and self._child is not None:
-            jobs, child = self._jobs, self._child
-            self._child = self._jobs = None
-            if jobs is not None:
-                jobs.close()
+            problems, child = self._problems, self._child
+            self._child = self._problems = None
+            if problems is not None:
+                problems.close()
             child.client.close(wait=False)
 
     @property
-    def jobs(self) -> DWaveJobs | None:
-        """The jobs of the connection; ``None`` for a mock, which has no service behind it."""
-        if self._jobs is None:
-            client = getattr(self.connect(), "client", None)
-            self._jobs = DWaveJobs(client) if client is not None else None
-        return self._jobs
+    def client(self) -> Any:
+        """The SDK's client; ``None`` for a mock, which has no service behind it."""
+        return getattr(self.connect(), "client", None)
+
+    @property
+    def problems(self) -> Any:
+        """The SDK's resource of problems: what the service knows of its jobs by their ids."""
+        if self._problems is None:
+            from dwave.cloud.api.resources import Problems
+
+            self._problems = Problems.from_config(self.client.config)
+        return self._problems
 
     def device_name(self) -> str:
         """Return the name of the solver."""
@@ -165,7 +238,7 @@ class DWaveCloudSampler(PickingSampler):
 
     def id_and_device(self, samples: Any) -> tuple[str, str]:
         """Return the service's id of a job that was just submitted, and the device."""
-        if self.jobs is not None:
+        if self.client is not None:
             remote_id = samples.wait_id(timeout=self._limit or 120.0)
             if remote_id:
                 return str(remote_id), self.device_name()
@@ -180,26 +253,40 @@ class DWaveCloudSampler(PickingSampler):
         """Return the state of a job and why it failed."""
         if job.remote_id in self._local:
             return "done", ""
-        jobs = self.jobs
-        return jobs.poll(job) if jobs is not None else ("failed", "the mock forgot the job")
+        if self.client is None:
+            return "failed", "the mock forgot the job"
+        found = self.problems.get_problem_status(job.remote_id)
+        state = STATES.get(str(getattr(found.status, "value", found.status)), "running")
+        why = str(getattr(found, "error_message", "") or "") if state == "failed" else ""
+        return state, why
+
+    def future(self, job: RemoteJob) -> Any:
+        """Return the SDK's object of a job at the service."""
+        if self.client is None:
+            raise RemoteError(f"{self.title} job {job.id} is gone with the mock that ran it")
+        return self.client.retrieve_answer(job.remote_id)
 
     def raw_answer(self, job: RemoteJob) -> Answer:
         """Return the samples as the solver gave them."""
         if job.remote_id in self._local:
             samples = self._local.pop(job.remote_id)
             return Answer(samples, run=run_seconds(samples.info))
-        if self.jobs is None:
-            raise RemoteError(f"{self.title} job {job.id} is gone with the mock that ran it")
-        return self.jobs.answer(job)
+        future = self.future(job)
+        samples = future.sampleset
+        samples.resolve()
+        return answered(samples, future)
 
     def cancel(self, job: RemoteJob) -> None:
         """Ask the service to drop a job."""
-        if self.jobs is not None:
-            self.jobs.cancel(job)
+        if self.client is not None:
+            self.problems.cancel_problem(job.remote_id)
 
     def find(self, job: RemoteJob) -> str | None:
         """Return the service's id of a job by its label."""
-        return self.jobs.find(job) if self.jobs is not None else None
+        if self.client is None:
+            return None
+        found = self.problems.list_problems(label=job.id, max_results=1)
+        return str(found[0].id) if found else None
 
     @abstractmethod
     def estimate(self, bqm: dimod.BinaryQuadraticModel, **parameters: Any) -> Estimate:
@@ -214,3 +301,23 @@ class DWaveCloudSampler(PickingSampler):
     @abstractmethod
     def fetch(self, job: RemoteJob) -> Answer:
         """Return the samples of a job that is done."""
+
+
+def answered(samples: dimod.SampleSet, future: Any) -> Answer:
+    """Return samples with what the service tells about the times of their job."""
+    return Answer(
+        samples,
+        run=run_seconds(samples.info),
+        received=instant(future.time_received),
+        solved=instant(future.time_solved),
+    )
+
+
+def run_seconds(info: dict[str, Any]) -> float | None:
+    """Return the device's own seconds: QPU access, or run time of a hybrid solver."""
+    timing = info.get("timing")
+    for numbers in (info, timing if isinstance(timing, dict) else {}):
+        for name in ("run_time", "qpu_access_time"):
+            if isinstance(value := numbers.get(name), int | float):
+                return float(value) / 1e6
+    return None

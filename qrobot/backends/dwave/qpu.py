@@ -9,8 +9,7 @@ from typing import Any
 import dimod
 import numpy as np
 
-from qrobot.backends.dwave.client import DWaveCloudSampler
-from qrobot.backends.dwave.jobs import opened
+from qrobot.backends.dwave.client import DWaveCloudSampler, opened
 from qrobot.backends.sampler import COMMON, Parameter
 from qrobot.errors import BackendError
 from qrobot.jobs import LIMITS, Answer, Estimate, Keep, RemoteJob

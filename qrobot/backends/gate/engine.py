@@ -25,7 +25,16 @@ from qrobot.jobs.circuits import CircuitJobs
 from qrobot.jobs.retry import classify, translate
 from qrobot.jobs.samples import PARTS
 
-__all__ = ["Engine", "JobEngine", "PlainEngine", "RemoteEngine", "StateEngine", "attempt", "room"]
+__all__ = [
+    "Engine",
+    "JobEngine",
+    "PlainEngine",
+    "RemoteEngine",
+    "StateEngine",
+    "attempt",
+    "check_size",
+    "room",
+]
 
 
 T = TypeVar("T")
@@ -45,6 +54,21 @@ def room(qubits: int, where: str, advice: str = "use a smaller model or a remote
     """
     what = f"a state of {qubits} qubits on {where}"
     resources.require(BYTES << qubits, what, advice, qubits=qubits)
+
+
+def check_size(qubits: int, most: int | None, device: str) -> None:
+    """Refuse a model with more qubits than a device has.
+
+    Raises
+    ------
+    BackendError
+        With both numbers.
+    """
+    if most is not None and qubits > most:
+        raise BackendError(
+            f"the model needs {qubits} qubits and device {device} has {most}; "
+            "use a smaller model or a larger device"
+        )
 
 
 def attempt(name: str, doing: str, call: Callable[[], T]) -> T:

@@ -13,6 +13,7 @@ import numpy as np
 from qrobot.backends.base import Capabilities
 from qrobot.backends.gate import resources
 from qrobot.backends.gate.ansatz import Ansatz, make_ansatz
+from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, PlainEngine, RemoteEngine, StateEngine, room
 from qrobot.backends.gate.form import Form, terms
 from qrobot.backends.gate.resources import few_threads
@@ -64,7 +65,7 @@ class VariationalSampler(PickingSampler):
         self.capabilities = Capabilities(kind="sampler")
 
     @abstractmethod
-    def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
+    def check(self, qubits: int, options: Options) -> bool:
         """Refuse what the device cannot do, before anything is allocated.
 
         Returns
@@ -81,12 +82,10 @@ class VariationalSampler(PickingSampler):
         """
 
     @abstractmethod
-    def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return a local device, ready to run the ansatz."""
+    def engine(self, circuit: Circuit, options: Options) -> Engine:
+        """Return a local device, ready to run a circuit."""
 
-    def connect(
-        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
-    ) -> Any:
+    def connect(self, qubits: int, options: Options, job_options: JobOptions) -> Any:
         """Return a remote device that can hold so many qubits; nothing is billed.
 
         For SDKs whose `check` ever says that a device is remote.
@@ -100,10 +99,8 @@ class VariationalSampler(PickingSampler):
         """
         raise NotImplementedError
 
-    def remote_engine(
-        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
-    ) -> RemoteEngine:
-        """Return a device of `connect`, ready to run the ansatz."""
+    def remote_engine(self, machine: Any, circuit: Circuit, options: Options) -> RemoteEngine:
+        """Return a device of `connect`, ready to run a circuit."""
         raise NotImplementedError
 
     def sample(self, bqm: Any, **parameters: Any) -> dimod.SampleSet:
@@ -123,9 +120,9 @@ class VariationalSampler(PickingSampler):
         BackendError
             When the model does not fit, would cost too much, or the device fails.
         """
-        options, own, job_options = self._asked(parameters)
-        if not self.check(bqm.num_variables, options, own) and bqm.num_variables:
-            return self._sample_remotely(bqm, options, own, job_options)
+        options, job_options = self._asked(parameters)
+        if not self.check(bqm.num_variables, options) and bqm.num_variables:
+            return self._sample_remotely(bqm, options, job_options)
         check_budget(FREE, job_options.max_cost)
         if job_options.dry_run:
             return _estimated(bqm, FREE)
@@ -133,7 +130,7 @@ class VariationalSampler(PickingSampler):
             return constant_samples(bqm, int(options.num_reads))
         try:
             with few_threads(bqm.num_variables):
-                return self._sample_here(bqm, options, own)
+                return self._sample_here(bqm, options)
         except QRobotError:
             raise
         except Exception as error:  # each SDK has errors of its own, for options of its own too
@@ -143,8 +140,8 @@ class VariationalSampler(PickingSampler):
     def runs_remotely(self, **parameters: Any) -> bool:
         """Return whether `sample` with these parameters asks another machine."""
         try:
-            options, own, _ = self._asked(dict(parameters))
-            return not self.check(1, options, own)
+            options, _ = self._asked(dict(parameters))
+            return not self.check(1, options)
         except QRobotError:
             return True  # `sample` says why; until then an SDK's error may hold a secret
 
@@ -156,25 +153,21 @@ class VariationalSampler(PickingSampler):
         InputError, BackendError
             As `sample`, which refuses the same.
         """
-        options, own, job_options = self._asked(parameters)
+        options, job_options = self._asked(parameters)
         check_finite(bqm)
-        if self.check(bqm.num_variables, options, own) or not bqm.num_variables:
+        if self.check(bqm.num_variables, options) or not bqm.num_variables:
             return FREE
-        _, _, estimate = self._prepared(bqm, options, own, job_options)
-        return estimate
+        return self._prepared(bqm, options, job_options)[2]
 
-    def _asked(self, parameters: dict[str, Any]) -> tuple[Options, dict[str, Any], JobOptions]:
-        """Return the options of the search, of the SDK and of a remote job."""
+    def _asked(self, parameters: dict[str, Any]) -> tuple[Options, JobOptions]:
+        """Return the options of the search and of a remote job."""
         check_parameters(self, parameters)
         own = {name: parameters.pop(name) for name in self.own if name in parameters}
         job_options = JobOptions.take_from(parameters)
         if self.algorithm == "qaoa":
             parameters["ansatz"] = "qaoa"
-        return (
-            Options(**parameters, interrupt_function=job_options.interrupt_function),
-            own,
-            job_options,
-        )
+        interrupted = job_options.interrupt_function
+        return Options(**parameters, own=own, interrupt_function=interrupted), job_options
 
     def _search(self, bqm: Any, options: Options) -> tuple[ParameterSearch, int]:
         seed = _fresh() if options.seed is None else int(options.seed)
@@ -182,10 +175,10 @@ class VariationalSampler(PickingSampler):
         ansatz = make_ansatz(options.ansatz, form, terms(bqm), options.layers)
         return ParameterSearch(self.algorithm, options, form, ansatz, seed), seed
 
-    def _sample_here(self, bqm: Any, options: Options, own: dict[str, Any]) -> dimod.SampleSet:
+    def _sample_here(self, bqm: Any, options: Options) -> dimod.SampleSet:
         clock = [time.perf_counter()]
         search, seed = self._search(bqm, options)
-        engine = self.engine(search.ansatz, options, own)
+        engine = self.engine(search.ansatz.circuit, options)
         here = options.train != "local" or options.evaluations == 0
         trainer = engine if here else _trainer(search.ansatz)
         clock.append(time.perf_counter())
@@ -213,18 +206,18 @@ class VariationalSampler(PickingSampler):
         )
 
     def _prepared(
-        self, bqm: Any, options: Options, own: dict[str, Any], job_options: JobOptions
+        self, bqm: Any, options: Options, job_options: JobOptions
     ) -> tuple[tuple[ParameterSearch, int], RemoteEngine, Estimate]:
         """Return the search, the machine and what both together would cost at most."""
         qubits, trains = bqm.num_variables, options.evaluations != 0
         if trains and options.train != "device":
             _room_to_train(qubits)
-        machine = self.connect(qubits, options, own, job_options)
+        machine = self.connect(qubits, options, job_options)
         resources.require(32 * qubits**2, f"the couplings of {qubits} qubits")
         search, seed = self._search(bqm, options)
         # A machine may be asked for what circuits are made for, so this is a call to a service.
         engine = with_retries(
-            lambda: self.remote_engine(machine, search.ansatz, options, own),
+            lambda: self.remote_engine(machine, search.ansatz.circuit, options),
             what=f"backend {self.name}",
             backoff=job_options.backoff,
             stop=job_options.interrupt_function,
@@ -238,10 +231,10 @@ class VariationalSampler(PickingSampler):
         return (search, seed), engine, estimate
 
     def _sample_remotely(
-        self, bqm: Any, options: Options, own: dict[str, Any], job_options: JobOptions
+        self, bqm: Any, options: Options, job_options: JobOptions
     ) -> dimod.SampleSet:
         clock = [time.perf_counter()]
-        (search, seed), engine, estimate = self._prepared(bqm, options, own, job_options)
+        (search, seed), engine, estimate = self._prepared(bqm, options, job_options)
         if job_options.dry_run:
             return _estimated(bqm, estimate)
         check_budget(estimate, job_options.max_cost)

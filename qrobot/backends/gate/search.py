@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -80,6 +80,8 @@ class Options:
         locally.
     interrupt_function
         Called before each evaluation; true ends the search.
+    own
+        The options that only this SDK has, checked by its sampler.
     """
 
     num_reads: int = 1000
@@ -96,6 +98,7 @@ class Options:
     shots: int | None = None
     train: str = "auto"
     interrupt_function: Callable[[], bool] | None = None
+    own: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check every option.

@@ -8,8 +8,7 @@ from typing import Any
 import dimod
 
 from qrobot._arrays import Floats
-from qrobot.backends.braket.devices import arn_of
-from qrobot.backends.braket.session import TITLE, check_credentials
+from qrobot.backends.braket.devices import TITLE, arn_of, check_credentials
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, RemoteEngine
 from qrobot.backends.gate.search import Options

@@ -6,13 +6,13 @@ Variable k is wire n - 1 - k: PennyLane counts its first wire as the highest bit
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 
 from qrobot._arrays import Bits, Floats
 from qrobot._extras import load, missing
-from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, attempt, room
 from qrobot.backends.gate.form import terms
@@ -76,14 +76,19 @@ class _Shots(Engine):
         self.facts = {"device": name}
 
     def _apply(self, angles: Any) -> None:
-        last, left = self.circuit.qubits - 1, iter(angles)
-        for gate in self.circuit.gates:
-            wires = [last - q for q in gate.qubits]
+        last = self.circuit.qubits - 1
+        for gate, angle in self.circuit.turned(angles):
             turn = getattr(self._qml, GATES[gate.name])
-            if gate.slot >= 0:
-                turn(next(left), wires=wires)
-            else:
-                turn(wires=wires)
+            turn(*([angle] if gate.slot >= 0 else []), wires=[last - q for q in gate.qubits])
+
+    def _node(self, measure: Callable[[], Any], method: str | None = None) -> Any:
+        """Return a measurement as a function of the angles, derived by a method."""
+
+        def circuit(angles: Any) -> Any:
+            self._apply(angles)
+            return measure()
+
+        return self._qml.QNode(circuit, self._device, diff_method=method)
 
     def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
         """Return measured shots; a remote device cannot be seeded."""
@@ -91,17 +96,15 @@ class _Shots(Engine):
         del seed
         qml = self._qml
 
-        def circuit() -> Any:
-            self._apply(angles)
+        def measure() -> Any:
             if self._by_wire:
                 return [qml.sample(qml.Z(wire)) for wire in range(self.circuit.qubits)]
             return qml.sample(wires=range(self.circuit.qubits))
 
-        def measure() -> Any:
-            node = qml.set_shots(qml.QNode(circuit, self._device, diff_method=None), shots)
-            return np.asarray(node())
+        def run() -> Any:
+            return np.asarray(qml.set_shots(self._node(measure), shots)(angles))
 
-        measured = attempt("pennylane", "running the circuit", measure)
+        measured = attempt("pennylane", "running the circuit", run)
         if self._by_wire:
             measured = (1 - measured.reshape(-1, shots).T) / 2
         found: Bits = measured.reshape(shots, -1)[:, ::-1].astype(np.int8)
@@ -120,30 +123,26 @@ class _Exact(_Shots, StateEngine):
         self.facts["diff_method"] = self._method
 
     def probabilities(self, angles: Floats) -> Floats:
-        """Return the probabilities of all assignments."""
         self.executions += 1
-        qml = self._qml
+        return np.asarray(self._node(self._probs)(angles), dtype=np.float64)
 
-        def circuit() -> Any:
-            self._apply(angles)
-            return qml.probs(wires=range(self.circuit.qubits))
-
-        node = qml.QNode(circuit, self._device, diff_method=None)
-        return np.asarray(node(), dtype=np.float64)
+    def _probs(self) -> Any:
+        return self._qml.probs(wires=range(self.circuit.qubits))
 
     def samples(self, angles: Floats, shots: int, seed: int) -> Bits:
-        """Draw shots from the exact probabilities, by the seed."""
         return StateEngine.samples(self, angles, shots, seed)
 
     def slope(self, angles: Floats, weights: Floats) -> tuple[float, Floats]:
-        """Return the mean of a diagonal observable and its derivatives by the angles."""
         if not self._native:
             return StateEngine.slope(self, angles, weights)
-        runs = 2 * angles.size + 1 if self._method == "parameter-shift" else 1
-        self.executions += runs
-        qml, wires = self._qml, range(self.circuit.qubits)
+        self.executions += 2 * angles.size + 1 if self._method == "parameter-shift" else 1
+        qml = self._qml
+        point = qml.numpy.array(angles, requires_grad=True)
         if self._method == "backprop":  # knows no sparse observables, but derives probabilities
-            return self._backpropagated(angles, weights)
+            node = self._node(self._probs, "backprop")
+            slope = qml.grad(lambda turns: qml.math.dot(node(turns), weights))
+            found = np.asarray(slope(point), dtype=np.float64)
+            return float(slope.forward), found
         # A tail is constant above its end: less that, few entries are left.
         level = float(weights.max())
         kept = np.flatnonzero(weights < level)
@@ -152,28 +151,10 @@ class _Exact(_Shots, StateEngine):
         matrix = importlib.import_module("scipy.sparse").csr_matrix(
             (weights[kept] - level, kept, rows), shape=(weights.size, weights.size)
         )
-        observable = qml.SparseHamiltonian(matrix, wires=wires)
-
-        def circuit(turns: Any) -> Any:
-            self._apply(turns)
-            return qml.expval(observable)
-
-        node = qml.QNode(circuit, self._device, diff_method=self._method)
-        slope = qml.grad(node)
-        found = np.asarray(slope(qml.numpy.array(angles, requires_grad=True)), dtype=np.float64)
+        observable = qml.SparseHamiltonian(matrix, wires=range(self.circuit.qubits))
+        slope = qml.grad(self._node(lambda: qml.expval(observable), self._method))
+        found = np.asarray(slope(point), dtype=np.float64)
         return float(slope.forward) + level, found
-
-    def _backpropagated(self, angles: Floats, weights: Floats) -> tuple[float, Floats]:
-        qml = self._qml
-
-        def circuit(turns: Any) -> Any:
-            self._apply(turns)
-            return qml.probs(wires=range(self.circuit.qubits))
-
-        node = qml.QNode(circuit, self._device, diff_method="backprop")
-        slope = qml.grad(lambda turns: qml.math.dot(node(turns), weights))
-        found = np.asarray(slope(qml.numpy.array(angles, requires_grad=True)), dtype=np.float64)
-        return float(slope.forward), found
 
 
 class _PennyLane(VariationalSampler):
@@ -190,10 +171,9 @@ class _PennyLane(VariationalSampler):
         "diff_method": Parameter("choice", choices=("adjoint", "parameter-shift", "backprop"))
     }
 
-    def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
-        """Refuse what does not fit; True for devices of this machine."""
+    def check(self, qubits: int, options: Options) -> bool:
         load("pennylane", f"backend {self.name}")
-        method = own.get("diff_method")
+        method = options.own.get("diff_method")
         device = options.device or DEFAULT
         exact = options.shots is None and not options.device_options.get("shots")
         allowed = _methods(device if exact else None)
@@ -217,33 +197,26 @@ class _PennyLane(VariationalSampler):
         room(qubits, f"device {device}")
         return True
 
-    def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return a local device, ready to run the ansatz."""
-        name, circuit = str(options.device or DEFAULT), ansatz.circuit
+    def engine(self, circuit: Circuit, options: Options) -> Engine:
+        name = str(options.device or DEFAULT)
         given = dict(options.device_options)
         exact = name in EXACT and options.shots is None and not given.get("shots")
         if options.seed is not None and name in (*ADJOINT, "default.qubit"):
             given.setdefault("seed", options.seed)
         device = _made(name, circuit.qubits, given)
         if exact:
-            return _Exact(circuit, name, device, own.get("diff_method"))
+            return _Exact(circuit, name, device, options.own.get("diff_method"))
         return _Shots(circuit, name, device)
 
-    def connect(
-        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
-    ) -> Any:
+    def connect(self, qubits: int, options: Options, job_options: JobOptions) -> Any:
         """Return a remote device's name, or the object that it is."""
-        del qubits, own  # the device's own limits are told by the device
+        del qubits  # the device's own limits are told by the device
         if isinstance(options.device, str):
             _installed(options.device)
         return admitted(options.device, options.device_options, job_options)
 
-    def remote_engine(
-        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
-    ) -> PluginEngine:
-        """Return the device, ready to run the ansatz; it is made for the first run."""
-        del own
-        circuit = ansatz.circuit
+    def remote_engine(self, machine: Any, circuit: Circuit, options: Options) -> PluginEngine:
+        """Return the device, ready to run a circuit; it is made for the first run."""
         name = machine if isinstance(machine, str) else type(machine).__name__
 
         def make(job_options: JobOptions) -> Engine:

@@ -11,10 +11,9 @@ import numpy as np
 from qrobot._arrays import Bits, Floats
 from qrobot._extras import load
 from qrobot.backends.gate.circuit import Circuit
-from qrobot.backends.gate.engine import Engine, JobEngine, attempt
-from qrobot.backends.qiskit.account import TITLE, machine
-from qrobot.backends.qiskit.jobs import RuntimeJobs
-from qrobot.errors import BackendError, InputError
+from qrobot.backends.gate.engine import Engine, JobEngine, attempt, check_size
+from qrobot.backends.qiskit.jobs import TITLE, RuntimeJobs, machine
+from qrobot.errors import InputError
 from qrobot.jobs import Estimate, JobOptions, by_time, price
 from qrobot.jobs.cost import price_source
 
@@ -23,7 +22,6 @@ __all__ = [
     "RuntimeEngine",
     "Transpiled",
     "backend_of",
-    "check_fit",
     "is_simulated",
     "open_mode",
 ]
@@ -190,7 +188,7 @@ def open_mode(device: Any, mode: Any, qubits: int, job_options: JobOptions) -> A
         mode = machine(
             name, qubits, backoff=job_options.backoff, stop=job_options.interrupt_function
         )
-    check_fit(backend_of(mode), qubits)
+    check_fit(mode, qubits)
     return mode
 
 
@@ -211,6 +209,12 @@ def backend_of(mode: Any) -> Any:
     return backend
 
 
+def check_fit(mode: Any, qubits: int) -> None:
+    """Refuse a model with more qubits than the backend of a mode has."""
+    backend = backend_of(mode)
+    check_size(qubits, getattr(backend, "num_qubits", None), name_of(backend))
+
+
 def name_of(backend: Any) -> str:
     """Return a backend's name, which older ones tell when called."""
     name = getattr(backend, "name", type(backend).__name__)
@@ -220,22 +224,6 @@ def name_of(backend: Any) -> str:
 def is_simulated(backend: Any) -> bool:
     """Return whether a backend is a fake one: no service runs its jobs, or bills them."""
     return getattr(backend, "service", None) is None
-
-
-def check_fit(backend: Any, qubits: int) -> None:
-    """Refuse a model with more qubits than a backend has.
-
-    Raises
-    ------
-    BackendError
-        With both numbers.
-    """
-    most = getattr(backend, "num_qubits", None)
-    if most is not None and qubits > most:
-        raise BackendError(
-            f"the model needs {qubits} qubits and device {name_of(backend)} has {most}; "
-            "use a smaller model or a larger device"
-        )
 
 
 def _runtime() -> Any:

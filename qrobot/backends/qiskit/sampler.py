@@ -12,7 +12,6 @@ import numpy as np
 from qrobot._arrays import Floats
 from qrobot._extras import is_installed, load
 from qrobot.backends.gate import resources
-from qrobot.backends.gate.ansatz import Ansatz
 from qrobot.backends.gate.circuit import TURNING, Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, room
 from qrobot.backends.gate.form import terms
@@ -126,14 +125,14 @@ class _MixedAer(StateEngine):
     4**n numbers, has them all.
     """
 
-    def __init__(self, circuit: Circuit, options: Options, own: dict[str, Any]) -> None:
+    def __init__(self, circuit: Circuit, options: Options) -> None:
         super().__init__(circuit)
         aer = load("qiskit_aer", "device aer")
         self._simulator = aer.AerSimulator(
             **_threaded(options.device_options, 2 * circuit.qubits)
             | {"method": "density_matrix", "enable_truncation": False}
         )
-        made = _transpiled(circuit, self._simulator, options, own, measure=False)
+        made = _transpiled(circuit, self._simulator, options, measure=False)
         self._made, self.facts = made, dict(made.facts)
         layout = made.circuit.layout
         order = range(circuit.qubits) if layout is None else layout.final_index_layout()
@@ -223,14 +222,14 @@ class _Qiskit(VariationalSampler):
         "optimization_level": Parameter("whole", 0, 3, optional=False),
     }
 
-    def check(self, qubits: int, options: Options, own: dict[str, Any]) -> bool:
+    def check(self, qubits: int, options: Options) -> bool:
         """Refuse what does not fit; True for devices of this machine."""
         load("qiskit", f"backend {self.name}")
-        mode = own.get("mode")
+        mode = options.own.get("mode")
         if mode is not None or _device(options) == "statevector":
             options.refuse_device_options("a mode" if mode is not None else "device statevector")
         if mode is not None:
-            check_fit(backend_of(mode), qubits)
+            check_fit(mode, qubits)
             return False
         device = _device(options)
         if device in LOCAL:
@@ -258,38 +257,31 @@ class _Qiskit(VariationalSampler):
             return False
         return super().runs_remotely(**parameters)
 
-    def engine(self, ansatz: Ansatz, options: Options, own: dict[str, Any]) -> Engine:
-        """Return a local device, ready to run the ansatz."""
+    def engine(self, circuit: Circuit, options: Options) -> Engine:
         made: Engine
-        if (_device(options)) == "statevector":
-            made = _Statevector(ansatz.circuit)
+        if _device(options) == "statevector":
+            made = _Statevector(circuit)
         elif options.shots is None and _is_mixed(options):
-            made = _MixedAer(ansatz.circuit, options, own)
+            made = _MixedAer(circuit, options)
         elif options.shots is None:
-            made = _Aer(ansatz.circuit, options.device_options)
+            made = _Aer(circuit, options.device_options)
         else:
             aer = load("qiskit_aer", "device aer")
             primitives = load("qiskit_aer.primitives", "device aer")
-            given = _threaded(options.device_options, ansatz.circuit.qubits)
+            given = _threaded(options.device_options, circuit.qubits)
             simulator = aer.AerSimulator(**given)
             sampler = primitives.SamplerV2(seed=options.seed, options={"backend_options": given})
-            circuit = _transpiled(ansatz.circuit, simulator, options, own)
-            made = Measured(ansatz.circuit, circuit, sampler)
+            made = Measured(circuit, _transpiled(circuit, simulator, options), sampler)
         made.facts.setdefault("device", str(_device(options)))
         return made
 
-    def connect(
-        self, qubits: int, options: Options, own: dict[str, Any], job_options: JobOptions
-    ) -> Any:
+    def connect(self, qubits: int, options: Options, job_options: JobOptions) -> Any:
         """Return the mode that jobs run in; its backend holds the model."""
-        return open_mode(options.device, own.get("mode"), qubits, job_options)
+        return open_mode(options.device, options.own.get("mode"), qubits, job_options)
 
-    def remote_engine(
-        self, machine: Any, ansatz: Ansatz, options: Options, own: dict[str, Any]
-    ) -> RuntimeEngine:
-        """Return the machine, ready to run the ansatz."""
-        circuit = _transpiled(ansatz.circuit, backend_of(machine), options, own)
-        return RuntimeEngine(ansatz.circuit, circuit, machine, options.seed)
+    def remote_engine(self, machine: Any, circuit: Circuit, options: Options) -> RuntimeEngine:
+        made = _transpiled(circuit, backend_of(machine), options)
+        return RuntimeEngine(circuit, made, machine, options.seed)
 
 
 class QiskitVQE(_Qiskit):
@@ -317,11 +309,11 @@ def _threaded(options: dict[str, Any], qubits: int) -> dict[str, Any]:
 
 
 def _transpiled(
-    circuit: Circuit, backend: Any, options: Options, own: dict[str, Any], *, measure: bool = True
+    circuit: Circuit, backend: Any, options: Options, *, measure: bool = True
 ) -> Transpiled:
     from qiskit.circuit import ParameterVector
 
     whole = circuit_of(circuit, ParameterVector("angle", len(circuit.rotations)))
     if measure:
         whole.measure_all()
-    return Transpiled(whole, backend, own.get("optimization_level", 3), options.seed)
+    return Transpiled(whole, backend, options.own.get("optimization_level", 3), options.seed)
