@@ -20,33 +20,39 @@ from processes import gone
 from release_house import PLUGINS
 
 yaml = pytest.importorskip("yaml")
-Play = Callable[..., tuple[Any, dict[str, Any]]]
+Play = Callable[..., dict[str, dict[str, Any]]]
+LIMITS = ("poll", "silence", "seconds")
 
 
 @pytest.fixture
 def run(tmp_path: Path) -> Play:
-    """Run one long task on this machine: the answer, and what was registered."""
+    """Run long tasks on this machine, each on a host of its own: what was registered."""
 
-    def call(argv: list[str], code: int = 0, **more: Any) -> tuple[Any, dict[str, Any]]:
-        job = {"module": "ansible.legacy.command", "options": {"argv": argv}, "poll": 0.2, **more}
-        keep = {"content": "{{ told | to_json }}", "dest": f"{tmp_path}/told.json"}
+    def call(code: int, **jobs: dict[str, Any]) -> dict[str, dict[str, Any]]:
+        hosts = {name: {**LOCAL, "job": {"poll": 0.2} | job} for name, job in jobs.items()}
+        given = {"module": "ansible.legacy.command", "options": {"argv": "{{ job.argv }}"}}
+        given |= {name: f"{{{{ job.{name} | default(omit) }}}}" for name in LIMITS}
+        keep = {
+            "content": "{{ told | to_json }}",
+            "dest": f"{tmp_path}/{{{{ inventory_hostname }}}}",
+        }
         tasks = [
-            {"name": "Work", "qrobot_job": job, "register": "told", "ignore_errors": True},
+            {"name": "Work", "qrobot_job": given, "register": "told", "ignore_errors": True},
             {"ansible.builtin.copy": keep, "check_mode": False},
             {"ansible.builtin.fail": {"msg": "it failed"}, "when": "told is failed"},
         ]
         (tmp_path / "play.yml").write_text(json.dumps([{"hosts": "all", "tasks": tasks}]))
-        done = play(tmp_path, tmp_path / "play.yml", {"a": LOCAL})
+        done = play(tmp_path, tmp_path / "play.yml", hosts)
         assert done.returncode == code, done.stdout + done.stderr
-        return done, json.loads((tmp_path / "told.json").read_text())
+        return {name: json.loads((tmp_path / name).read_text()) for name in jobs}
 
     return call
 
 
 def test_a_long_task_gives_what_its_module_gives(run: Play) -> None:
     argv = ["sh", "-c", "echo one; echo two; echo three >&2"]
-    _, followed = run(argv)
-    _, direct = run(argv, seconds=0)
+    told = run(0, followed={"argv": argv}, direct={"argv": argv, "seconds": 0})
+    followed, direct = told["followed"], told["direct"]
     for name in ("rc", "stdout_lines", "stderr_lines", "changed", "failed"):
         assert followed[name] == direct[name]
     assert followed["stdout_lines"] == ["one", "two"]
@@ -54,7 +60,7 @@ def test_a_long_task_gives_what_its_module_gives(run: Play) -> None:
 
 
 def test_a_long_task_that_fails_says_why(run: Play) -> None:
-    _, told = run(["sh", "-c", "echo oh no >&2; exit 3"], code=2)
+    told = run(2, a={"argv": ["sh", "-c", "echo oh no >&2; exit 3"]})["a"]
     assert (told["rc"], told["stderr"]) == (3, "oh no")
 
 
@@ -73,33 +79,36 @@ def test_a_job_whose_processes_were_ended_is_noticed(run: Play, tmp_path: Path) 
         "    victims = globals().setdefault('victims', []) ; victims.append(number)\n"
         "for victim in victims: os.kill(victim, signal.SIGKILL)\n"
     )
-    _, told = run([sys.executable, "-c", script], code=2)
+    told = run(2, a={"argv": [sys.executable, "-c", script]})["a"]
     assert "'Work' did not reach its end: it was ended from outside" in told["msg"]
     assert "run it again" in told["msg"]
 
 
-@pytest.mark.parametrize(
-    "away", ["", "os.setpgid(0, 0);"], ids=["in its group", "out of its group"]
-)
-def test_a_task_that_takes_too_long_is_ended_on_the_robot(
-    run: Play, tmp_path: Path, away: str
-) -> None:
+def test_a_task_that_takes_too_long_is_ended_on_the_robot(run: Play, tmp_path: Path) -> None:
     """Also where its processes are not in the group that Ansible's wrapper ends."""
-    own = tmp_path / "pid"
-    script = (
-        f"import os, time; {away} open({str(own)!r}, 'w').write(str(os.getpid())); time.sleep(600)"
-    )
-    _, told = run([sys.executable, "-c", script], code=2, seconds=4)
-    assert "'Work' took longer than 4 s and was ended" in told["msg"]
-    if own.exists() and own.read_text():  # on a busy machine it was ended before its first line
-        assert gone(int(own.read_text()))
+    script = "import os, time; {} open({!r}, 'w').write(str(os.getpid())); time.sleep(600)"
+    away = {"in_its_group": "", "out_of_its_group": "os.setpgid(0, 0);"}
+    own = {name: tmp_path / f"{name}.pid" for name in away}
+    jobs = {
+        name: {
+            "argv": [sys.executable, "-c", script.format(first, str(own[name]))],
+            "seconds": 4, "poll": 1,
+        }
+        for name, first in away.items()
+    }  # fmt: skip
+    for name, told in run(2, **jobs).items():
+        assert "'Work' took longer than 4 s and was ended" in told["msg"], name
+        # On a busy machine it was ended before its first line.
+        if own[name].exists() and own[name].read_text():
+            assert gone(int(own[name].read_text())), name
 
 
-@pytest.mark.parametrize("given", [{"poll": 0}, {"poll": -1}, {"silence": 0}, {"silence": -5}])
-def test_a_limit_that_cannot_be_is_refused(run: Play, given: dict[str, float]) -> None:
-    _, told = run(["true"], code=2, **given)
-    (name,) = given
-    assert re.search(rf"{name} is {float(given[name])}: give more than 0 seconds", told["msg"])
+def test_a_limit_that_cannot_be_is_refused(run: Play) -> None:
+    given = [("poll", 0), ("poll", -1), ("silence", 0), ("silence", -5)]
+    jobs = {f"a{at}": {"argv": ["true"], name: value} for at, (name, value) in enumerate(given)}
+    for (name, value), told in zip(given, run(2, **jobs).values(), strict=True):
+        sentence = rf"{name} is {float(value)}: give more than 0 seconds"
+        assert re.search(sentence, told["msg"]), told["msg"]
 
 
 # The action by itself, with robots that answer as told
