@@ -5,8 +5,8 @@ PYTHON ?= python3
 VENV ?= .venv
 # What `make install` puts into the environment: base, solver, edge or full.
 PROFILE ?= solver
-# pytest's own options; "-n 2" uses two cores.
-PYTEST_ARGS ?= -n 2
+# pytest's own options: two cores, and whoever is done takes tests from the other.
+PYTEST_ARGS ?= -n 2 --dist worksteal
 STACK_ARGS ?=
 BENCH_ARGS ?=
 # What `make image` builds: solver, edge or lab; for one or both machines; on trixie (3.13) or
