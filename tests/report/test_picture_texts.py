@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -62,16 +62,19 @@ def written(figure: Any) -> list[tuple[str, Any]]:
 
     figure.draw_without_rendering()
     renderer = figure.canvas.get_renderer()
-    axes_off = {
-        text
-        for axes in figure.axes
-        if not axes.axison
-        for text in (*axes.get_xticklabels(), *axes.get_yticklabels())
-    }
+    off = [axis for axes in figure.axes if not axes.axison for axis in (axes.xaxis, axes.yaxis)]
+
+    def texts(artist: Any) -> Iterator[Any]:
+        if isinstance(artist, Text):
+            yield artist
+        for child in artist.get_children():
+            if child not in off:
+                yield from texts(child)
+
     return [
         (text.get_text(), text.get_window_extent(renderer))
-        for text in figure.findobj(Text)
-        if text.get_visible() and text.get_text().strip() and text not in axes_off
+        for text in texts(figure)
+        if text.get_visible() and text.get_text().strip()
     ]
 
 
