@@ -148,6 +148,18 @@ def test_a_page_fits_the_screen_and_asks_for_nothing(
             a.bottom > b.bottom + 1 })).length"""
     assert chromium.ask(out) == 0
     assert chromium.ask("document.querySelectorAll('.sheet svg path.way').length") == 3
+    if case in ("closed", "many"):  # the racks, which all maps have from the first one
+        shades = (
+            "new Set([...document.querySelectorAll('.rack')].map(r => getComputedStyle(r).fill))"
+        )
+        assert chromium.ask(f"[...{shades}]") == [
+            "rgb(58, 69, 82)" if dark else "rgb(213, 219, 226)"
+        ]
+        assert (
+            chromium.ask("""[...document.querySelectorAll('use')].filter(u =>
+            u.getBoundingClientRect().height < 50).length""")
+            == 0
+        )
     back = chromium.ask("getComputedStyle(document.body).backgroundColor")
     assert back == ("rgb(18, 22, 28)" if dark else "rgb(251, 251, 253)")
 
