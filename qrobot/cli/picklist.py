@@ -69,7 +69,7 @@ def command(
     lists = pick_lists(read_plan(plan), question.read(), robot)
     if output is not None:
         write_text_atomic(output, _text(lists, form, paper))
-    if as_json:
+    if as_json or (form == "json" and output is None):
         say_json(lists.to_dict())
     elif output is not None:
         picks = sum(len(one.picks) for one in lists.lists)

@@ -52,6 +52,20 @@ def test_json_is_all_that_is_printed(plan: Path, tmp_path: Path) -> None:
     assert len(list(csv.reader(io.StringIO(done.stdout)))) == 1 + 7
 
 
+def test_json_stays_json_on_a_terminal_without_letters(tmp_path: Path) -> None:
+    question, plan = tmp_path / "q.json", tmp_path / "p.json"
+    document = json.loads(QUESTION.read_text())
+    document["items"][0]["article"] = "Schräubchen \u4e2d"
+    question.write_text(json.dumps(document))
+    assert qrobot("solve", question, "-o", plan).returncode == 0
+    for words in (["--json"], ["--format", "json"]):
+        done = qrobot("picklist", plan, question, *words, env={"PYTHONIOENCODING": "ascii"})
+        articles = {
+            pick["article"] for trip in json.loads(done.stdout)["trips"] for pick in trip["picks"]
+        }
+        assert "Schräubchen \u4e2d" in articles
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -383,3 +383,19 @@ def test_two_trips_in_one_slot_have_a_part_of_it_each(tmp_path: Path) -> None:
     (x1, w1), (x2, w2) = sorted((float(b[1]), float(b[5])) for b in boxes)
     assert x1 + w1 == pytest.approx(x2, abs=0.02)
     assert w1 == w2
+
+
+@needs_chromium
+def test_plans_without_a_way_are_pages_too(chromium: Browser, tmp_path: Path) -> None:
+    plain = CASES["there and back"]
+    nothing = replace(plain, items=(), orders=())
+    at_depot = replace(plain.items[0], place=qrobot.problem.Point(0, 0))
+    unmoved = replace(plain, items=(at_depot,), orders=plain.orders[:1])
+    for one, robots in ((nothing, 0), (unmoved, 1)):
+        page_of(Plan.from_routes(one, [[1]] if robots else []), one, tmp_path)
+        chromium.open(tmp_path / "page.html", 700)
+        assert chromium.complaints == []
+        assert chromium.ask("clock.textContent") == "0:00 of 0:00"
+        assert chromium.ask("document.querySelectorAll('.robot').length") == robots
+        chromium.ask("play.click()")
+        assert chromium.ask("document.querySelectorAll('.mark.done').length") == robots
