@@ -10,12 +10,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
+from qrobot._numbers import number
 from qrobot._text import shortened
 from qrobot.report.labels import Labels, text_width
 from qrobot.report.lanes import XY
-from qrobot.report.legend import GREY, Legend, Patch, caption, caption_width
 from qrobot.report.maps import Map
+from qrobot.report.palette import DASHES, GREY, INK, depot_marker
 from qrobot.report.scene import Journey, Scene
 
 __all__ = ["Canvas"]
@@ -34,6 +37,20 @@ CELL = (2.4, 2.5)
 """Inches: width at least and height of the map at most, of a trip's own map."""
 GAP = 0.25
 CAPTION = 0.46
+
+ROW = 0.44
+"""Height of a row, inches."""
+NAME, FACTS = 9.5, 8.0
+"""Sizes of the two lines of a row, points."""
+MARK = 0.5
+"""Room for the number and the sample of a way, inches."""
+LEGEND_GAP = 0.2
+
+Patch = tuple[str, str, str]
+"""A row below the trips: label, face colour (nothing for a plain line of text), hatch."""
+
+DEPOT_ROW: Patch = ("depot: start and end of every trip", "depot", "")
+NUMBER_ROW: Patch = ("#1, #2, ...: number of the trip, as in the table", "", "")
 
 
 class Canvas:
@@ -125,3 +142,99 @@ class Canvas:
 
 def _cut(title: str) -> str:
     return shortened(title, 140)
+
+
+class Legend:
+    """The rows beside the map: one for each trip, the depot, what the numbers mean.
+
+    Parameters
+    ----------
+    scene
+        What is drawn.
+    journeys
+        The trips that get a row.
+    patches
+        Rows below the trips.
+    room
+        Inches beside the map; a longer legend gets more columns.
+
+    Attributes
+    ----------
+    width, height
+        Inches.
+    """
+
+    def __init__(
+        self, scene: Scene, journeys: Sequence[Journey], patches: Sequence[Patch], room: float
+    ) -> None:
+        self._scene = scene
+        self._rows: list[Journey | Patch] = [*journeys, DEPOT_ROW, NUMBER_ROW, *patches]
+        columns = -(-len(self._rows) // max(int(room / ROW), 1))
+        self._per_column = -(-len(self._rows) // columns)
+        self._pitch = LEGEND_GAP + max(
+            caption_width(scene, row) if isinstance(row, Journey) else _patch_width(row)
+            for row in self._rows
+        )
+        self.width = -(-len(self._rows) // self._per_column) * self._pitch
+        self.height = self._per_column * ROW
+
+    def draw(self, panel: Any, corner: XY) -> None:
+        """Draw into axes whose unit is an inch, with y downwards, from the top left corner."""
+        for k, row in enumerate(self._rows):
+            column, line = divmod(k, self._per_column)
+            spot = corner[0] + self._pitch * column, corner[1] + ROW * (line + 0.5)
+            if isinstance(row, Journey):
+                caption(panel, spot, self._scene, row)
+            else:
+                _patch(panel, spot, row)
+
+
+def _lines(scene: Scene, journey: Journey) -> tuple[str, str]:
+    trip = journey.trip
+    stops = f"{number(len(trip.stops))} stop" + ("s" if len(trip.stops) != 1 else "")
+    load = f"{number(trip.load)} of {number(journey.capacity)}"
+    return journey.name, f"{scene.length(trip.distance)}, {stops}, load {load}"
+
+
+def caption_width(scene: Scene, journey: Journey) -> float:
+    """Return the width of `caption`, inches."""
+    name, facts = _lines(scene, journey)
+    return MARK + max(text_width(name, NAME, "bold"), text_width(facts, FACTS)) + 0.05
+
+
+def caption(panel: Any, spot: XY, scene: Scene, journey: Journey) -> None:
+    """Write a trip's number, robot and figures, into axes whose unit is an inch."""
+    (x, y), colour = spot, journey.colour
+    name, facts = _lines(scene, journey)
+    box = Rectangle((x, y - 0.16), MARK - 0.1, 0.2, fc=colour.fill, ec=colour.edge, lw=0.8)
+    panel.add_patch(box)
+    panel.text(
+        x + MARK / 2 - 0.05, y - 0.06, journey.tag, size=7.5, weight="bold", color=colour.text,
+        ha="center", va="center",
+    )  # fmt: skip
+    for shade, width, dashes in (
+        (colour.edge, 3.2, DASHES[0]),
+        (colour.fill, 2.2, DASHES[journey.turn % len(DASHES)]),
+    ):
+        sample = Line2D(
+            [x, x + MARK - 0.1], [y + 0.12, y + 0.12],
+            color=shade, lw=width, ls=dashes, solid_capstyle="butt",
+        )  # fmt: skip
+        panel.add_line(sample)
+    panel.text(x + MARK, y - 0.085, name, size=NAME, weight="bold", va="center")
+    panel.text(x + MARK, y + 0.1, facts, size=FACTS, color=GREY, va="center")
+
+
+def _patch_width(row: Patch) -> float:
+    return MARK + text_width(row[0], FACTS) + 0.05
+
+
+def _patch(panel: Any, spot: XY, row: Patch) -> None:
+    (x, y), (label, face, hatch) = spot, row
+    if face == "depot":
+        panel.plot([x + 0.2], [y], **depot_marker(10))
+    elif face:
+        box = Rectangle((x + 0.07, y - 0.08), 0.26, 0.16, fc=face, ec="#9aa5b1", lw=0.6)
+        box.set_hatch(hatch)
+        panel.add_patch(box)
+    panel.text(x + MARK, y, label, size=FACTS, va="center", color=INK if face else GREY)

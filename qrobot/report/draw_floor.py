@@ -13,8 +13,8 @@ from qrobot.problem import DistanceTable, OpenFloor, Warehouse
 from qrobot.report.canvas import Canvas
 from qrobot.report.labels import POINTS, placed, spread, text_width
 from qrobot.report.lanes import XY, Lanes, Track
-from qrobot.report.legend import GREY
 from qrobot.report.maps import Look, Map
+from qrobot.report.palette import GREY
 from qrobot.report.scene import Journey, Scene
 
 __all__ = ["draw_floor"]
@@ -54,7 +54,7 @@ def _draw_all(drawn: Map, scene: Scene, spots: Sequence[XY], named: bool) -> Non
     size = _marker(drawn, len(set(spots)))
     lines = _ways(drawn, scene, scene.journeys, size, arrow=4.0, most=2.3)
     marks = spread(spots, drawn.metres(0.9 * size))
-    _points(drawn, scene, dict(zip(_ids(scene), marks, strict=True)), size)
+    _points(drawn, scene, marks, size)
     for journey, line in zip(scene.journeys, lines, strict=True):
         drawn.tag(journey, line)
     # The depot's name comes last in the queue for a free side, but is always drawn.
@@ -99,10 +99,6 @@ def _ways(
     for journey, line in zip(journeys, lines, strict=True):
         drawn.way(journey, line, look, bend=drawn.metres(2.5 * width))
     return lines
-
-
-def _ids(scene: Scene) -> list[str]:
-    return [item.id for item in scene.instance.items]
 
 
 def _on_sheet(drawn: Map, at: XY) -> XY:
@@ -173,8 +169,9 @@ def _head(curve: list[XY]) -> tuple[XY, XY]:
     return at, ((bx - ax) / length, (by - ay) / length)
 
 
-def _points(drawn: Map, scene: Scene, marks: dict[str, XY], size: float) -> None:
+def _points(drawn: Map, scene: Scene, places: Sequence[XY], size: float) -> None:
     """Draw the items, coloured by robot and numbered by stop."""
+    marks = dict(zip((item.id for item in scene.instance.items), places, strict=True))
     axes = drawn.axes
     shape: dict[str, Any] = {"ls": "none", "marker": "o", "ms": size, "mew": min(1.1, size / 9)}
     for journey in scene.journeys:

@@ -19,7 +19,7 @@ from matplotlib.path import Path
 
 from qrobot.report.labels import POINTS, Labels
 from qrobot.report.lanes import XY, Track, rounded
-from qrobot.report.legend import DASHES, depot_marker
+from qrobot.report.palette import DASHES, depot_marker
 from qrobot.report.scene import Journey
 
 __all__ = ["Look", "Map"]

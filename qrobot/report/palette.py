@@ -1,14 +1,19 @@
-"""Colours: of the robots, by the paper's convention, and of everything else on a picture."""
+"""Colours and marks: of the robots, by the paper's convention, and of all else on a picture."""
 
 from __future__ import annotations
 
 import colorsys
 from dataclasses import dataclass
+from typing import Any
 
-__all__ = ["DEPOT", "INK", "Colour", "colour_of"]
+__all__ = ["DASHES", "DEPOT", "GREY", "INK", "Colour", "colour_of", "depot_marker"]
 
 INK = "#1f2933"
+GREY = "#5b6673"
 DEPOT = "#ffef5c"
+
+DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.6)), (0, (2.2, 1.2)), (0, (6, 1.4, 1.4, 1.4)))
+"""Of a robot's first, second, ... trip."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,3 +70,8 @@ def colour_of(robot: int) -> Colour:
 
 def _hex(rgb: tuple[float, float, float]) -> str:
     return "#" + "".join(f"{round(255 * part):02x}" for part in rgb)
+
+
+def depot_marker(size: float) -> dict[str, Any]:
+    """Return how the depot is drawn."""
+    return {"ls": "none", "marker": "s", "ms": size, "mfc": DEPOT, "mec": INK, "mew": size / 11}

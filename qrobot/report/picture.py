@@ -167,11 +167,11 @@ def save(figure: Any, path: str | os.PathLike[str]) -> None:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     kind = check_picture_path(path)
-    whole = io.BytesIO()
+    data = io.BytesIO()
     if kind == "svg":
         metadata: dict[str, Any] = {"Date": None, "Creator": None}
-        FigureCanvasSVG(figure).print_svg(whole, metadata=metadata)
+        FigureCanvasSVG(figure).print_svg(data, metadata=metadata)
     else:
         FigureCanvasAgg(figure)
-        figure.savefig(whole, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
-    write_bytes_atomic(path, whole.getvalue())
+        figure.savefig(data, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    write_bytes_atomic(path, data.getvalue())

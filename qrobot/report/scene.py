@@ -92,12 +92,11 @@ class Scene:
 
     def texts(self) -> list[str]:
         """Return all texts of the picture that are not ours."""
-        return [self.title, *(j.name for j in self.journeys), *map(shown, self.items)]
-
-    @property
-    def items(self) -> list[str]:
-        """Names of all items."""
-        return [item.id for item in self.instance.items]
+        return [
+            self.title,
+            *(j.name for j in self.journeys),
+            *(shown(item.id) for item in self.instance.items),
+        ]
 
 
 def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | None = None) -> Scene:
