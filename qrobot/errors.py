@@ -77,6 +77,10 @@ class InputError(QRobotError, ValueError):
             self.problem, source=self.source or source, field=self.field, advice=self.advice
         )
 
+    def at(self, field: str | None) -> InputError:
+        """Return the same error with another field."""
+        return InputError(self.problem, source=self.source, field=field, advice=self.advice)
+
 
 class InfeasibleError(QRobotError):
     """No plan exists for the instance.

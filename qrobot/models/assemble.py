@@ -116,19 +116,7 @@ class _Terms:
 def assemble(
     instance: Instance, layout: VariableLayout, penalties: Penalties, potentials: Potentials
 ) -> dimod.BinaryQuadraticModel:
-    """Return the model: binary, float64, variables in the layout's order.
-
-    Parameters
-    ----------
-    instance
-        The question.
-    layout
-        The variables.
-    penalties
-        The weights of the constraints.
-    potentials
-        What is taken off the distances.
-    """
+    """Return the model: binary, float64, variables in the layout's order."""
     weights = np.concatenate([[0], instance.weights]).astype(np.float64)
     terms = _Terms(
         layout=layout,

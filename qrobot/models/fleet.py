@@ -10,7 +10,7 @@ import numpy.typing as npt
 from qrobot._arrays import Ints
 from qrobot.errors import InfeasibleError
 from qrobot.problem import Instance
-from qrobot.problem.packing import what_is_enough
+from qrobot.problem.fleets import what_is_enough
 
 __all__ = ["TripLimits", "Vehicles", "fleet_of", "limits_of"]
 
@@ -59,13 +59,8 @@ class TripLimits:
 def fleet_of(instance: Instance, *, every_robot: bool = False) -> Vehicles:
     """Return the vehicles: one for each trip that a robot may make, the largest first.
 
-    Parameters
-    ----------
-    instance
-        The question.
-    every_robot
-        True keeps all robots, as the paper counts its qubits; False keeps no more vehicles
-        than there are orders, for no plan uses more.
+    With `every_robot` all of them, as the paper counts its qubits, else no more than there are
+    orders, for no plan uses more.
     """
     most = max(len(instance.orders), 1)
     names, rooms = [], []

@@ -90,19 +90,7 @@ def ising_of(
     labels: tuple[str, ...] = (),
     convention: Convention = "annealer",
 ) -> Ising:
-    """Return the Ising form of binary coefficients.
-
-    Parameters
-    ----------
-    linear
-        Shape (N,).
-    rows, columns, quadratic
-        Each pair once, shape (couplings,).
-    offset
-        The constant.
-    labels, convention
-        As of `Ising`.
-    """
+    """Return the Ising form of binary coefficients: (N,) linear ones, and each pair once."""
     first, second = np.asarray(rows, dtype=np.int64), np.asarray(columns, dtype=np.int64)
     quarter = np.asarray(quadratic, dtype=np.float64) / 4
     h = np.asarray(linear, dtype=np.float64) / 2

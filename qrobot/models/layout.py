@@ -121,21 +121,10 @@ def layered(
     summed: Bools,
     paired: Bools,
 ) -> VariableLayout:
-    """Make a layout from what each vehicle may be at each of its steps.
+    """Make a layout of at most `MAX_VARIABLES` variables, vehicle by vehicle.
 
-    Parameters
-    ----------
-    encoding, fleet, items, first, last, summed, paired
-        As in `VariableLayout`.
-    allowed
-        For each vehicle which nodes it may be at, shape (layers, n + 1).
-    slack
-        For each vehicle the coefficients of its slack.
-
-    Raises
-    ------
-    InputError
-        When there are more than `MAX_VARIABLES` variables.
+    `allowed` has for each vehicle which nodes it may be at, shape (layers, n + 1), `slack` the
+    coefficients of its slack; all else is as in `VariableLayout`.
     """
     size = sum(int(a.sum()) for a in allowed) + sum(len(s) for s in slack)
     check_size(size, encoding)

@@ -14,19 +14,23 @@ from qrobot._files import StrPath
 from qrobot._notebook import shown_name
 from qrobot.errors import InputError
 from qrobot.models.assemble import assemble
-from qrobot.models.compact import compact_layout
-from qrobot.models.decode import Decoded, Reads, bits_of, decode_row, decode_rows
-from qrobot.models.encode import encode_routes
-from qrobot.models.full import full_layout
+from qrobot.models.encodings import compact_layout, paper_layout
 from qrobot.models.layout import VariableLayout
 from qrobot.models.penalties import Encoding, Penalties
 from qrobot.models.potentials import potentials_of
-from qrobot.models.reduced import reduced_layout
+from qrobot.models.samples import (
+    Decoded,
+    Reads,
+    bits_of,
+    decode_row,
+    decode_rows,
+    encode_routes,
+)
 from qrobot.models.slack import Slack
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 
-__all__ = ["ENCODINGS", "PickingModel", "Symmetry", "build_model", "model_for"]
+__all__ = ["ENCODINGS", "PickingModel", "Symmetry", "build_model", "check_choice", "model_for"]
 
 ENCODINGS: tuple[Encoding, ...] = ("compact", "reduced", "full")
 Symmetry = Literal["keep", "break"]
@@ -104,12 +108,6 @@ class PickingModel:
         ----------
         samples
             Over this model's variables, binary or spin.
-
-        Returns
-        -------
-        Reads
-            Whether each is feasible, and its distance (``inf`` when it is not), both of
-            shape (samples,).
         """
         return decode_rows(self.instance, self.layout, self.matrix(samples))
 
@@ -180,21 +178,19 @@ def build_model(
         When the compact encoding proves that no plan exists.
     """
     instance = instance_of(instance)
-    _choice("encoding", encoding, ENCODINGS)
-    _choice("slack", slack, ("exact", "paper"))
-    _choice("symmetry", symmetry, ("keep", "break"))
+    check_choice("encoding", encoding, ENCODINGS)
+    check_choice("slack", slack, ("exact", "paper"))
+    check_choice("symmetry", symmetry, ("keep", "break"))
     if symmetry == "break" and encoding != "compact":
         raise InputError(
             f"the {encoding} encoding keeps its symmetry",
             field="symmetry",
             advice="use the compact encoding, or symmetry 'keep'",
         )
-    if encoding == "full":
-        layout = full_layout(instance, slack)
-    elif encoding == "reduced":
-        layout = reduced_layout(instance, slack)
-    else:
+    if encoding == "compact":
         layout = compact_layout(instance, slack, break_symmetry=symmetry == "break")
+    else:
+        layout = paper_layout(instance, encoding, slack)
     weights = Penalties.of(instance, encoding, penalties)
     _check_digits(instance, layout, weights)
     potentials = potentials_of(
@@ -220,7 +216,7 @@ def model_for(
         and samples best; ``paper`` the reduced one with the paper's slack, the model of
         the paper's tables 2 and 3.
     """
-    _choice("purpose", purpose, ("anneal", "gate", "paper"))
+    check_choice("purpose", purpose, ("anneal", "gate", "paper"))
     if purpose == "paper":
         return build_model(instance, "reduced", slack="paper")
     return build_model(instance, "compact")
@@ -243,6 +239,8 @@ def _check_digits(instance: Instance, layout: VariableLayout, weights: Penalties
         )
 
 
-def _choice(field: str, value: object, known: Sequence[str]) -> None:
+def check_choice(field: str, value: object, known: Sequence[str | None]) -> None:
+    """Refuse a value that is not one of those that are known."""
     if value not in known:
-        raise InputError(f"{value!r} is unknown", field=field, advice=f"use {', '.join(known)}")
+        names = ", ".join("none" if name is None else name for name in known)
+        raise InputError(f"{value!r} is unknown", field=field, advice=f"use {names}")

@@ -28,18 +28,12 @@ DEPOT_SHARE = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Potentials:
-    """What is taken off the ways at each node.
-
-    Parameters
-    ----------
-    leaving
-        u, taken off every way out of a node, shape (n + 1,).
-    reaching
-        v, taken off every way into a node, shape (n + 1,).
-    """
+    """What is taken off the ways at each node."""
 
     leaving: Floats
+    """u, taken off every way out of a node, shape (n + 1,)"""
     reaching: Floats
+    """v, taken off every way into a node, shape (n + 1,)"""
 
     def shifted(self, distances: Floats) -> Floats:
         """Return d[i, j] - u[i] - v[j]; an item that follows itself costs nothing extra."""
@@ -50,17 +44,10 @@ class Potentials:
 
 
 def potentials_of(instance: Instance, *, several: bool, scale: float = 1.0) -> Potentials:
-    """Return potentials that estimate half of the ways at each node.
+    """Return potentials that estimate half of the ways at each node; scale 0 gives none.
 
-    Parameters
-    ----------
-    instance
-        The question; n items.
-    several
-        Whether several vehicles drive. Then the depot counts among the neighbours of
-        every item, and has a potential of its own.
-    scale
-        0 switches the shift off.
+    Where several vehicles drive, the depot counts among the neighbours of every item, and has a
+    potential of its own.
     """
     d = instance.distances
     n = len(d) - 1

@@ -21,20 +21,9 @@ Slack = Literal["exact", "paper"]
 
 
 def slack_coefficients(room: int, kind: Slack = "exact") -> Ints:
-    """Return the coefficients of the slack binaries for a range of 0 to `room`.
+    """Return the coefficients of the slack binaries for a range of 0 to `room`, in units.
 
-    Parameters
-    ----------
-    room
-        Largest slack, in units of weight.
-    kind
-        ``exact`` reaches `room` and nothing above; ``paper`` has ceil(log2 room) powers
-        of two.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (number of binaries,); empty when there is nothing to absorb.
+    ``exact`` reaches `room` and nothing above; ``paper`` has ceil(log2 room) powers of two.
     """
     if room <= 0:
         return np.zeros(0, dtype=np.int64)
@@ -49,17 +38,7 @@ def slack_coefficients(room: int, kind: Slack = "exact") -> Ints:
 def slack_bits(value: int, coefficients: Ints) -> Ints:
     """Return the 0/1 values whose sum of coefficients comes closest to `value` from below.
 
-    Parameters
-    ----------
-    value
-        Wanted slack in units; below 0 counts as 0.
-    coefficients
-        From `slack_coefficients`.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape of `coefficients`; the sum equals `value` whenever the range holds it.
+    The sum equals `value` whenever the range holds it; a value below 0 counts as 0.
     """
     bits = np.zeros(len(coefficients), dtype=np.int64)
     left = value

@@ -12,8 +12,7 @@ from qrobot.plan.checker import check as check_plan
 from qrobot.plan.plan import Plan
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
-from qrobot.problem.formats.jsontext import loads
-from qrobot.problem.formats.positions import find_path
+from qrobot.problem.formats.jsontext import find_path, loads
 
 __all__ = ["check", "plan_of", "read_plan"]
 
@@ -55,12 +54,8 @@ def read_plan(path: StrPath) -> Plan:
         return Plan.from_dict(loads(text))
     except InputError as error:
         place = find_path(text, error.field) if error.field else None
-        raise InputError(
-            error.problem,
-            source=os.fspath(path),
-            field=f"{error.field}, {place}" if place else error.field,
-            advice=error.advice,
-        ) from None
+        field = f"{error.field}, {place}" if place else error.field
+        raise error.at(field).in_file(os.fspath(path)) from None
 
 
 def plan_of(answer: Any) -> Plan:

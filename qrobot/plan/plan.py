@@ -13,9 +13,9 @@ from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
 from qrobot.errors import InputError
 from qrobot.plan.objective import DISTANCE, Objective, assign, cost, objective_named
+from qrobot.problem.checks import canonical
 from qrobot.problem.entities import Robot
 from qrobot.problem.instance import Instance
-from qrobot.problem.names import canonical
 
 __all__ = ["PLAN_SCHEMA", "TABLE_HEADS", "Plan", "Trip"]
 

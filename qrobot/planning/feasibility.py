@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 
 from qrobot.problem import Instance
-from qrobot.problem.packing import what_is_enough
+from qrobot.problem.fleets import what_is_enough
 
 __all__ = ["reason_infeasible"]
 

@@ -26,8 +26,8 @@ from qrobot.planning.strategy import (
     check_arguments,
 )
 from qrobot.problem import Instance
+from qrobot.problem.fleets import what_is_enough
 from qrobot.problem.formats import instance_of
-from qrobot.problem.packing import what_is_enough
 
 __all__ = [
     "DEFAULT_DEADLINE",
@@ -183,7 +183,7 @@ def _local(name: str) -> Strategy:
     try:
         strategy = strategy_of(name)
     except InputError as error:
-        raise InputError(error.problem, field="fallback", advice=error.advice) from None
+        raise error.at("fallback") from None
     if not strategy.capabilities.local:
         raise InputError(
             f"backend {name} is remote itself", field="fallback", advice="name a local one, as auto"

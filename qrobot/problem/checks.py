@@ -1,16 +1,25 @@
-"""The checks that every number of a warehouse passes, however it was made."""
+"""The checks that every number and every name passes, however it was made.
+
+Names that look the same are the same: one program writes a letter and its accent as one
+character, another as two. Characters that cannot be seen, or that turn the direction of writing,
+would let two names look alike that are not.
+"""
 
 from __future__ import annotations
+
+import unicodedata
 
 from qrobot.errors import InputError
 
 __all__ = [
     "MAX_LENGTH",
+    "canonical",
     "check_coordinate",
     "check_count",
     "check_index",
     "check_length",
     "check_reference",
+    "first_invisible",
     "is_reference",
 ]
 
@@ -63,3 +72,18 @@ def check_reference(value: float) -> None:
     """
     if value != 0:
         check_length(value, "reference", least=MIN_REFERENCE, most=MAX_REFERENCE)
+
+
+def canonical(name: str) -> str:
+    """Return a name in normal form C, every kind of space as a plain one."""
+    if name.isascii():
+        return name
+    name = unicodedata.normalize("NFC", name)
+    return "".join(" " if unicodedata.category(c) == "Zs" else c for c in name)
+
+
+def first_invisible(name: str) -> str | None:
+    """Return the code of the first character that cannot be printed, such as ``U+200B``."""
+    if name.isprintable():
+        return None
+    return next((f"U+{ord(c):04X}" for c in canonical(name) if not c.isprintable()), None)

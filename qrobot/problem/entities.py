@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from qrobot.errors import InputError
-from qrobot.problem.names import canonical
+from qrobot.problem.checks import canonical
 from qrobot.problem.units import Quantity, exact
 from qrobot.problem.warehouse import Place
 

@@ -77,13 +77,7 @@ class OpenFloor:
         check_coordinate(place.y, "y")
 
     def distance_matrix(self, places: Sequence[Place]) -> Floats:
-        """Return distances between depot and places.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n + 1, n + 1), metres; row 0 is the depot.
-        """
+        """Return the distances between depot (row 0) and places, metres."""
         xy = np.array([self.depot, *(self.position(p) for p in places)], dtype=np.float64)
         steps = np.abs(xy[:, None, :] - xy[None, :, :])
         if self.metric == "manhattan":
@@ -116,12 +110,7 @@ class OpenFloor:
 def coarse(rounded: Floats, lengths: Callable[[], Floats], rule: str) -> tuple[str, ...]:
     """Return a note when distances are so small that whole numbers hide most of them.
 
-    Parameters
-    ----------
-    rounded, lengths
-        The distances with rounding, and what gives them without.
-    rule
-        Which of TSPLIB's rules rounded them.
+    `lengths` gives them without rounding, `rule` is the one of TSPLIB's that rounded them.
     """
     largest = float(rounded.max(initial=0.0))
     if largest >= SMALL or np.array_equal(rounded, lengths()):

@@ -22,10 +22,9 @@ from qrobot.errors import InputError
 from qrobot.problem.checks import check_reference
 from qrobot.problem.entities import Item, Order, Robot
 from qrobot.problem.fleets import fleet_of_size
-from qrobot.problem.insertion import insert_orders
 from qrobot.problem.table import unreachable
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
-from qrobot.problem.useful import outlying, useful_limit
+from qrobot.problem.useful import insert_orders, outlying, useful_limit
 from qrobot.problem.validity import check_entities, some
 from qrobot.problem.warehouse import Place, Warehouse
 

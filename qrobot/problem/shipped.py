@@ -20,11 +20,6 @@ def example_path(path: str | os.PathLike[str]) -> Path | None:
     """Return the file of ``example`` or ``example:NAME``, None when that is not meant.
 
     A file that has this name comes first.
-
-    Raises
-    ------
-    InputError
-        When there is no example of this name.
     """
     text = os.fspath(path)
     if os.path.lexists(text):

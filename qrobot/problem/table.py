@@ -105,13 +105,7 @@ class DistanceTable:
             )
 
     def distance_matrix(self, places: Sequence[Place]) -> Floats:
-        """Return the rows and columns of the places, the depot first.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n + 1, n + 1); row 0 is the depot, ``inf`` where no way leads.
-        """
+        """Return the rows and columns of the places, the depot first; ``inf`` without a way."""
         matrix = self.given_distances(places)
         matrix[matrix > MAX_LENGTH] = np.inf
         return matrix
@@ -138,13 +132,7 @@ class DistanceTable:
 
 
 def unreachable(ways: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
-    """Return the rows that no sequence of ways leads to from row 0, or from there back to it.
-
-    Parameters
-    ----------
-    ways
-        Whether a way leads directly from row i to row j, shape (n, n).
-    """
+    """Return the rows that no direct ways, one after the other, join with row 0, there and back."""
     cut_off = np.zeros(len(ways), dtype=bool)
     for direct in (ways, ways.T):
         known = np.zeros(len(ways), dtype=bool)
@@ -162,14 +150,8 @@ def unusual(
 ) -> tuple[str, ...]:
     """Return a sentence each for forbidden ways, asymmetry and a broken triangle inequality.
 
-    Parameters
-    ----------
-    d
-        Distances, shape (n, n); ``inf`` where no way leads directly.
-    given
-        The same as the file has them: a number so large that it marks a missing way is in it.
-    names
-        What row and column i stand for.
+    `d` is ``inf`` where no way leads directly, `given` is what the file has there, which may be
+    a number so large that it marks a missing way; `names` are what rows stand for.
     """
     found = []
     forbidden = np.isinf(d)

@@ -44,17 +44,8 @@ _SPACED = re.compile(r"[\s_'’]")
 def exact(value: Quantity, *, field: str) -> Fraction:
     """Return a number as the exact fraction that its decimal notation says.
 
-    Parameters
-    ----------
-    value
-        ``0.1`` means one tenth, not the binary float next to it.
-    field
-        Path of the field, for the error.
-
-    Raises
-    ------
-    InputError
-        When the value is not a finite number, or huge.
+    ``0.1`` means one tenth, not the binary float next to it. What is not a finite number, or
+    huge, is refused; `field` is its path, for the error.
     """
     if isinstance(value, bool):
         raise InputError(f"{value} is not a number", field=field, advice=_ADVICE)
@@ -72,15 +63,7 @@ def exact(value: Quantity, *, field: str) -> Fraction:
 
 
 def number_advice(text: str, mark: str = ".") -> str:
-    """Return how a number should be written that is not plain, as advice.
-
-    Parameters
-    ----------
-    text
-        A number with grouping marks, or with another decimal mark.
-    mark
-        The decimal mark where it stands.
-    """
+    """Return how a number with grouping marks or another decimal mark should be written."""
     bare = _SPACED.sub("", text)
     if re.fullmatch(r"[-+]?[0-9]{1,30}" if mark == "," else NUMBER, bare):
         return f"write {bare:.40}"
@@ -123,12 +106,9 @@ def _decimal(value: float | str | Decimal, field: str) -> Decimal:
 
 
 def common_unit(weights: Sequence[Fraction], *, field: str) -> Fraction:
-    """Return the greatest common divisor of the weights, as an exact fraction.
+    """Return the greatest common divisor of the weights, exactly.
 
-    Raises
-    ------
-    InputError
-        When the weights have so many digits that their total exceeds `MAX_UNITS` units.
+    Weights of so many digits that their total exceeds `MAX_UNITS` units are refused.
     """
     positive = [w for w in weights if w > 0]
     if not positive:

@@ -4,6 +4,9 @@ A table may mark ways that nobody may take with a large number. One such number 
 scale of everything that is measured by the largest distance: the resolution of integer
 solvers, penalties, temperatures. So a plan is made quickly, and what is longer than that whole
 plan costs as much as it: no better plan takes such a way, whatever its number is.
+
+The quick plan puts every order where it costs least, one after the other (Rosenkrantz, Stearns
+and Lewis 1977 for one tour; here for all trips at once, each with its room).
 """
 
 from __future__ import annotations
@@ -15,9 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats
-from qrobot.problem.insertion import insert_orders
 
-__all__ = ["outlying", "useful_limit"]
+__all__ = ["insert_orders", "outlying", "useful_limit"]
 
 Rows = npt.NDArray[np.intp]
 
@@ -36,20 +38,9 @@ def useful_limit(
 ) -> float:
     """Return a price that no way of a shortest plan reaches, ``inf`` when all ways are useful.
 
-    Parameters
-    ----------
-    d
-        Distances between depot (row 0) and stops, ``inf`` where no way leads.
-    lots
-        For each order its rows in `d`.
-    weights, capacities
-        Of the orders, and of each possible trip (largest first), in units.
-
-    Returns
-    -------
-    float
-        More than the length of some plan without a forbidden way. Where none was found
-        quickly: ``inf`` when no way is forbidden, else `_price_above`.
+    It is more than the length of some plan without a forbidden way; where none was found
+    quickly, ``inf`` when no way is forbidden, else `_price_above`. The arguments are those of
+    `insert_orders`, but `d` is ``inf`` where no way leads.
     """
     if len(d) < 2:
         return math.inf
@@ -80,15 +71,7 @@ def useful_limit(
 
 
 def _price_above(d: Floats, trips: int) -> float:
-    """Return a price that is above every plan of at most `trips` trips along finite ways.
-
-    Parameters
-    ----------
-    d
-        Distances between depot (row 0) and stops, ``inf`` where no way leads.
-    trips
-        The most trips.
-    """
+    """Return a price that is above every plan of at most `trips` trips along finite ways."""
     # Every stop is left once, the depot once a trip, each by its longest way at most.
     longest = d.max(axis=1, where=np.isfinite(d), initial=0.0)
     return math.ceil(1.01 * float(longest[1:].sum() + trips * longest[0])) + 1.0
@@ -112,14 +95,7 @@ def _ways_to_insert(
 def outlying(d: Floats, names: Sequence[str], limit: float) -> tuple[str, ...]:
     """Return a sentence for ways that mark something, and one for places that are far off.
 
-    Parameters
-    ----------
-    d
-        Distances between depot (row 0) and places, ``inf`` where no way leads.
-    names
-        What row and column i stand for.
-    limit
-        What no useful way reaches.
+    `names` are what the rows of `d` stand for; no useful way reaches `limit`.
     """
     found = []
     marked = np.isfinite(d) & (d > limit)
@@ -158,3 +134,83 @@ def _far_off(d: Floats) -> tuple[Rows, float]:
     if not len(gaps):
         return order[:0], 0.0
     return order[gaps[0] :], float(reach[gaps[0] - 1])
+
+
+def insert_orders(
+    d: Floats,
+    lots: Sequence[Sequence[int]],
+    weights: Sequence[int],
+    capacities: npt.NDArray[np.int64],
+    orders: Sequence[int],
+    *,
+    first_fit: bool = False,
+    passes: int = 0,
+) -> Rows | None:
+    """Return all trips in one row, zeros between them, or None when an order finds no room.
+
+    Parameters
+    ----------
+    d
+        Distances between depot (row 0) and stops, all finite.
+    lots
+        For each order its rows in `d`.
+    weights, capacities
+        Of the orders, and of each possible trip, largest first, in units.
+    orders
+        The sequence in which they are inserted.
+    first_fit
+        Onto the first trip with room, instead of the one where it costs least.
+    passes
+        How often at most every order is taken out and put back where it costs least.
+    """
+    sequence = np.zeros(len(capacities) + 1, dtype=np.intp)
+    room = capacities.copy()
+    for o in orders:
+        longer = _inserted(d, sequence, room, lots[o], weights[o], first_fit=first_fit)
+        if longer is None:
+            return None
+        sequence = longer
+    best, least = sequence, float(d[sequence[:-1], sequence[1:]].sum())
+    for _ in range(passes):
+        before = least
+        for o in orders:
+            out = np.isin(sequence, lots[o])
+            room[np.count_nonzero(sequence[: int(out.argmax())] == 0) - 1] += weights[o]
+            again = _inserted(d, sequence[~out], room, lots[o], weights[o], first_fit=False)
+            assert again is not None  # there is room where it was
+            sequence = again
+        length = float(d[sequence[:-1], sequence[1:]].sum())
+        if length < least:
+            best, least = sequence, length
+        if least >= before:
+            break
+    return best
+
+
+def _inserted(
+    d: Floats,
+    sequence: Rows,
+    room: npt.NDArray[np.int64],
+    lot: Sequence[int],
+    weight: int,
+    *,
+    first_fit: bool,
+) -> Rows | None:
+    """Return the sequence with an order's stops where they cost least, None without room."""
+    trip = np.cumsum(sequence == 0)[:-1] - 1
+    fits = room[trip] >= weight
+    if not fits.any():
+        return None
+    if first_fit:
+        fits &= trip == trip[fits.argmax()]
+    chosen = -1
+    for stop in lot:
+        a, b = sequence[:-1], sequence[1:]
+        extra = np.where(fits, d[a, stop] + d[stop, b] - d[a, b], np.inf)
+        at = int(extra.argmin())
+        if chosen < 0:
+            chosen = int(trip[at])
+            room[chosen] -= weight
+        sequence = np.insert(sequence, at + 1, stop)
+        fits = np.cumsum(sequence == 0)[:-1] - 1 == chosen
+    return sequence

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from qrobot.errors import InputError
+from qrobot.problem.checks import first_invisible
 from qrobot.problem.entities import Item, Order, Robot
-from qrobot.problem.names import first_invisible
 from qrobot.problem.warehouse import Warehouse
 
 __all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "check_robots", "some"]
@@ -33,14 +33,7 @@ def check_entities(
     orders: Sequence[Order],
     robots: Sequence[Robot],
 ) -> None:
-    """Check what an instance is made of.
-
-    Raises
-    ------
-    InputError
-        When ids repeat or dangle, a number is out of range, a place is outside the
-        warehouse, or there is more than one plan can hold.
-    """
+    """Refuse ids that repeat or dangle, numbers out of range, places outside, and too much."""
     if len(items) > MAX_ITEMS:
         raise InputError(
             f"{len(items)} items are more than the {MAX_ITEMS} that one plan may have",
@@ -92,13 +85,7 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
 
 
 def check_robots(robots: Sequence[Robot]) -> None:
-    """Check a fleet.
-
-    Raises
-    ------
-    InputError
-        When there is no robot, two have one id, or a number is out of range.
-    """
+    """Refuse a fleet without robots, with an id twice, or with a number out of range."""
     _unique([r.id for r in robots], "robots")
     if not robots:
         raise InputError("no robots", field="robots", advice="give at least one robot")

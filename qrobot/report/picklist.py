@@ -16,7 +16,7 @@ from qrobot._text import columns, count, printable
 from qrobot.errors import InputError
 from qrobot.plan import Plan, check, plan_of
 from qrobot.problem import Instance, Item, Node, Place, Point, Slot
-from qrobot.problem.names import canonical
+from qrobot.problem.checks import canonical
 from qrobot.report.scene import Journey, Scene, scene_of
 from qrobot.report.timeline import Visit, timeline
 

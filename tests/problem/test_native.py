@@ -88,11 +88,11 @@ def test_a_matrix_may_have_gaps_where_nothing_is_collected(tmp_path: Path) -> No
 def test_digits_are_kept(tmp_path: Path) -> None:
     text = json.dumps(GOOD).replace("0.1,", "0.1234567890123456789012,", 1)
     weight = Fraction("0.1234567890123456789012")
-    from qrobot.problem.formats.native import read_native
+    from qrobot.problem.formats.native import parse_native
 
     # Beside a weight of nothing, any number of digits is one unit.
     (tmp_path / "x.json").write_text(text.replace('"weight": 3', '"weight": 0'))
-    one = read_native(tmp_path / "x.json")
+    one = parse_native((tmp_path / "x.json").read_text())
     assert one.items[0].weight == weight
     assert '"weight": 0.1234567890123456789012' in to_text(one)
     assert "round the weights up" in sentence(tmp_path, text)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import qrobot
 from qrobot.errors import InputError
 from qrobot.problem import Instance, Order
-from qrobot.problem.formats.decimals import DecimalMarks
+from qrobot.problem.formats.cells import DecimalMarks
 from qrobot.problem.units import exact, number_advice
 
 LAYOUT = {

@@ -18,7 +18,7 @@ from scenes import CASES, LAYOUT, shared
 import qrobot
 from qrobot.plan import OBJECTIVES, Plan
 from qrobot.problem import AisleWarehouse
-from qrobot.problem.names import canonical
+from qrobot.problem.checks import canonical
 from qrobot.report import check_picture_path
 
 

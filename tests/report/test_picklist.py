@@ -119,7 +119,7 @@ NAMES = st.text(
 
 
 @settings(max_examples=80, deadline=None)
-@given(st.lists(NAMES, min_size=3, max_size=3, unique_by=qrobot.problem.names.canonical), NAMES)
+@given(st.lists(NAMES, min_size=3, max_size=3, unique_by=qrobot.problem.checks.canonical), NAMES)
 def test_odd_names_come_through_and_are_never_formulas(names: list[str], robot: str) -> None:
     places = [qrobot.problem.Point(k, 0) for k in range(3)]
     instance = qrobot.Instance(

@@ -18,7 +18,7 @@ from scenes import CASES, shared
 
 import qrobot
 from qrobot.plan import Plan
-from qrobot.problem.names import canonical
+from qrobot.problem.checks import canonical
 from qrobot.report import PickLists, pick_lists, picklist_page
 
 PAPERS = {"a4": (210, 297), "a5": (148, 210), "label": (100, 150)}

@@ -23,7 +23,7 @@ from qrobot.backends.gate.state.subspace import GroverMixer, SubspaceQAOA
 from qrobot.errors import BackendError, InfeasibleError, InputError
 from qrobot.models.fleet import fleet_of
 from qrobot.problem import Instance
-from qrobot.problem.packing import what_is_enough
+from qrobot.problem.fleets import what_is_enough
 
 __all__ = ["Spectrum", "spectrum"]
 

@@ -25,7 +25,7 @@ from qrobot.errors import BackendError, InfeasibleError
 from qrobot.models.fleet import fleet_of
 from qrobot.models.slack import Slack, slack_bits, slack_coefficients
 from qrobot.problem import Instance
-from qrobot.problem.packing import what_is_enough
+from qrobot.problem.fleets import what_is_enough
 
 __all__ = ["FeasibleSet", "all_sequences", "feasible_set", "slack_label", "x_label"]
 

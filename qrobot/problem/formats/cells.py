@@ -1,4 +1,10 @@
-"""The cells of CSV orders: which columns there are, and what a cell of each says."""
+"""The cells of CSV orders: which columns there are, and what a cell of each says.
+
+Numbers are as spreadsheets of all countries write them: understood, or refused as ambiguous.
+``1.234`` is one and a bit where decimals have a point, and one thousand two hundred and
+thirty-four where they have a comma. What separates the cells, and the other numbers of the
+file, tell which; where they do not, nothing is guessed.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +12,15 @@ import csv
 import difflib
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from qrobot.errors import InputError
-from qrobot.problem.formats.decimals import DecimalMarks
-from qrobot.problem.names import canonical, first_invisible
-from qrobot.problem.units import exact
+from qrobot.problem.checks import canonical, first_invisible
+from qrobot.problem.units import exact, number_advice
 
-__all__ = ["Line", "read_lines"]
+__all__ = ["DecimalMarks", "Line", "read_lines"]
 
 _REQUIRED = ("order", "item", "weight")
 _PLACES: tuple[tuple[set[str], set[str]], ...] = (
@@ -40,6 +45,58 @@ _TEXTS = {"order", "item", "side"}
 """Columns whose cells are not numbers."""
 _LONGEST = 90
 
+_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:[.][0-9]{3})+|[-+]?[1-9][0-9]{0,2}(?:,[0-9]{3})+")
+"""May be a number with groups of three digits."""
+_DECIMAL = re.compile(r"[-+]?[0-9]*[.,][0-9]+")
+
+
+@dataclass(frozen=True, slots=True)
+class DecimalMarks:
+    """What a comma and a point mean in the numbers of one file."""
+
+    comma: bool
+    """Whether a comma may be the decimal mark at all."""
+    clear: str
+    """The marks that are decimal marks even before three digits."""
+    mark: str
+    """The one that the advice should use."""
+
+    @classmethod
+    def of(cls, delimiter: str, cells: Iterable[str]) -> DecimalMarks:
+        """Return the marks of a file by its delimiter and all its numbers."""
+        if delimiter == ",":
+            return cls(False, ".", ".")
+        sure = {
+            found
+            for cell in cells
+            if _DECIMAL.fullmatch(cell) and not _THOUSANDS.fullmatch(cell)
+            for found in ".,"
+            if found in cell
+        }
+        if len(sure) == 1:
+            clear = "".join(sure)
+        elif sure:
+            clear = ""
+        else:  # semicolons separate where the comma is taken
+            clear = "," if delimiter == ";" else "."
+        return cls(True, clear, clear or ("," if delimiter == ";" else "."))
+
+    def plain(self, cell: str) -> str:
+        """Return a number with a point for its decimal mark; refuse what may mean two things."""
+        found = next((mark for mark in ".," if mark in cell), None)
+        if found is None or (found == "," and not self.comma):
+            return cell
+        if _THOUSANDS.fullmatch(cell) and found not in self.clear:
+            raise InputError(
+                f"{cell:.40} may have a decimal mark or thousands",
+                advice=number_advice(cell, self.mark),
+            )
+        if not _DECIMAL.fullmatch(cell) and self.comma and "," in cell:
+            raise InputError(
+                f"{cell:.40} is not a finite number", advice=number_advice(cell, self.mark)
+            )
+        return cell.replace(",", ".")
+
 
 @dataclass(frozen=True, slots=True)
 class Line:
@@ -62,13 +119,7 @@ class Line:
         return column in self.cells
 
     def text(self, column: str) -> str:
-        """Return a cell that must not be empty.
-
-        Raises
-        ------
-        InputError
-            When it is empty, or no name for people.
-        """
+        """Return a cell, refusing an empty one and what cannot be a name for people."""
         cell = self.cells[column]
         if not cell:
             raise self.error(column, "is empty", "fill it in")
@@ -90,7 +141,7 @@ class Line:
         try:
             return exact(self.marks.plain(cell), field="")
         except InputError as error:
-            raise self.error(column, error.problem, error.advice or "correct it") from None
+            raise error.at(self.where(column)) from None
 
     def whole(self, column: str, *, least: int = 0) -> int:
         """Return the whole number in a cell."""
@@ -105,20 +156,7 @@ class Line:
 
 
 def read_lines(text: str, ignore: Sequence[str] = ()) -> list[Line]:
-    """Return the lines of CSV orders below their header.
-
-    Parameters
-    ----------
-    text
-        Of the whole file.
-    ignore
-        Columns that are not ours; they must be there.
-
-    Raises
-    ------
-    InputError
-        With line and column.
-    """
+    """Return the lines of CSV orders below their header; columns to ignore must be there."""
     delimiter, rows = _rows(text)
     if not rows:
         raise InputError("has no header", advice=f"begin with {', '.join(_REQUIRED)} and a place")

@@ -25,30 +25,14 @@ from qrobot.problem.formats.registry import Format, ReadOptions
 __all__ = ["FORMAT", "read_csv"]
 
 
-def read_csv(
-    path: StrPath, layout: StrPath | None = None, ignore_columns: Sequence[str] = ()
-) -> Instance:
-    """Return the instance of CSV orders and their layout.
+def read_csv(path: Path, options: ReadOptions) -> Instance:
+    """Return the instance of CSV orders and their layout, a native document without items.
 
-    Parameters
-    ----------
-    path
-        The orders. Comma, semicolon or tab separate; with the latter two a decimal comma is
-        understood. A byte order mark, a line ``sep=;``, any line ends and empty columns are
-        fine.
-    layout
-        The native document without items; by default ``<stem>.layout.json`` or
-        ``layout.json`` in the same folder.
-    ignore_columns
-        Columns that are not ours.
-
-    Raises
-    ------
-    InputError
-        With file, line and column.
+    Comma, semicolon or tab separate; with the latter two a decimal comma is understood. A byte
+    order mark, a line ``sep=;``, any line ends and empty columns are fine.
     """
-    lines = read_lines(read_text(path), ignore_columns)
-    plan = _layout_of(Path(path), layout)
+    lines = read_lines(read_text(path), options.ignore_columns)
+    plan = _layout_of(path, options.layout)
     items: list[Item] = []
     orders: dict[str, list[str]] = {}
     for line, id_ in zip(lines, _ids(lines), strict=True):
@@ -65,7 +49,7 @@ def read_csv(
             items=tuple(items),
             orders=tuple(Order(id_, tuple(names)) for id_, names in orders.items()),
             robots=plan.robots,
-            name=Path(path).stem,
+            name=path.stem,
             comment=plan.comment,
             remarks=() if items else ("the file has a header but no orders",),
         )
@@ -164,13 +148,9 @@ def _layout_of(orders: Path, given: StrPath | None) -> Layout:
         raise error.in_file(str(found)) from None
 
 
-def _read(path: Path, options: ReadOptions) -> Instance:
-    return read_csv(path, options.layout, options.ignore_columns)
-
-
 FORMAT = Format(
     "orders with a layout beside them",
     ".csv",
-    read=_read,
+    read=read_csv,
     options=frozenset({"layout", "ignore_columns"}),
 )

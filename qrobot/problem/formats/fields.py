@@ -16,7 +16,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, Wit
 from pydantic_core import PydanticCustomError
 
 from qrobot.errors import InputError
-from qrobot.problem.names import canonical, first_invisible
+from qrobot.problem.checks import canonical, first_invisible
 from qrobot.problem.units import MAX_WEIGHT, exact, number_advice
 
 __all__ = [

@@ -18,7 +18,6 @@ from pydantic import ValidationError
 from qrobot._files import StrPath, read_text
 from qrobot.errors import InputError
 from qrobot.problem import (
-    MAX_ITEMS,
     AisleWarehouse,
     DistanceTable,
     Instance,
@@ -32,10 +31,10 @@ from qrobot.problem import (
     Slot,
     Warehouse,
 )
+from qrobot.problem.fleets import check_fleet_size
 from qrobot.problem.formats.fields import shown
-from qrobot.problem.formats.jsontext import dumps, loads
+from qrobot.problem.formats.jsontext import dumps, find_path, loads
 from qrobot.problem.formats.places import checked
-from qrobot.problem.formats.positions import find_path
 from qrobot.problem.formats.registry import Format, ReadOptions
 from qrobot.problem.formats.schema import (
     SCHEMA,
@@ -77,19 +76,14 @@ class Layout:
     robots: tuple[Robot, ...]
 
 
-def read_native(path: StrPath) -> Instance:
-    """Return the instance of a native JSON file.
+def parse_native(text: str) -> Instance:
+    """Return the instance of native JSON text.
 
     Raises
     ------
     InputError
-        When the file is no document of this schema, or what it asks makes no sense.
+        When the text is not a document of this schema, or what it asks makes no sense.
     """
-    return parse_native(read_text(path))
-
-
-def parse_native(text: str) -> Instance:
-    """Return the instance of native JSON text; errors as of `read_native`."""
     with _places_of(text):
         return _instance(_document(loads(text)))
 
@@ -101,7 +95,7 @@ def _places_of(text: str) -> Iterator[None]:
         yield
     except InputError as error:
         place = find_path(text, error.field) if error.field else None
-        raise _moved(error, f"{error.field}, {place}") if place else error from None
+        raise error.at(f"{error.field}, {place}") if place else error from None
 
 
 def _instance(document: Document) -> Instance:
@@ -196,23 +190,14 @@ def _sentence(error: ValidationError) -> InputError:
     return InputError(problem, field=path.removeprefix("."), advice=advice)
 
 
-def _moved(error: InputError, field: str) -> InputError:
-    return InputError(error.problem, source=error.source, field=field, advice=error.advice)
-
-
 def _layout(document: Document) -> Layout:
     try:
         warehouse = _warehouse(document)
     except InputError as error:
-        raise _moved(error, f"warehouse.{error.field}") from None
+        raise error.at(f"warehouse.{error.field}") from None
     fleet = document.robots
     if isinstance(fleet, FleetModel):
-        if fleet.count > MAX_ITEMS:
-            raise InputError(
-                f"{fleet.count} robots are more than {MAX_ITEMS}",
-                field="robots.count",
-                advice="give fewer",
-            )
+        check_fleet_size(fleet.count, "robots.count")
         robots = tuple(
             Robot(f"R{k + 1}", fleet.capacity, fleet.speed, fleet.trips) for k in range(fleet.count)
         )
@@ -222,7 +207,7 @@ def _layout(document: Document) -> Layout:
         check_robots(robots)
     except InputError as error:
         if isinstance(fleet, FleetModel) and error.field:
-            raise _moved(error, re.sub(r"^robots\[\d+\]", "robots", error.field)) from None
+            raise error.at(re.sub(r"^robots\[\d+\]", "robots", error.field)) from None
         raise
     return Layout(document.name, document.comment, warehouse, robots)
 
@@ -371,8 +356,9 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
     return data
 
 
-def _read(path: Path, _options: ReadOptions) -> Instance:
-    return read_native(path)
+def read_native(path: Path, _options: ReadOptions) -> Instance:
+    """Return the instance of a native JSON file."""
+    return parse_native(read_text(path))
 
 
-FORMAT = Format("native", ".json", read=_read, write=to_text)
+FORMAT = Format("native", ".json", read=read_native, write=to_text)

@@ -14,28 +14,10 @@ Where = Callable[[str], str]
 
 
 def checked(make: Callable[[], Instance], where: Where) -> Instance:
-    """Return an instance with all that can be wrong with it found out, and told by place.
-
-    Parameters
-    ----------
-    make
-        Makes the instance.
-    where
-        Tells where the file has what an error of the domain is about.
-
-    Raises
-    ------
-    InputError
-        With the place in the file.
-    """
+    """Return what `make` makes, with all that can be wrong with it found out and told by place."""
     try:
         instance = make()
         _ = instance.place_distances, instance.unit
     except InputError as error:
-        raise InputError(
-            error.problem,
-            source=error.source,
-            field=where(error.field) if error.field else None,
-            advice=error.advice,
-        ) from None
+        raise error.at(where(error.field) if error.field else None) from None
     return instance

@@ -25,13 +25,7 @@ _ENDINGS = (".opt.sol", ".sol", ".bst.sol")
 
 
 def read_solution(path: StrPath) -> tuple[list[list[int]], float]:
-    """Return the routes of a ``.sol`` file, as numbers of clients, and its cost.
-
-    Raises
-    ------
-    InputError
-        When the file is not a solution.
-    """
+    """Return the routes of a ``.sol`` file, as numbers of clients, and its cost."""
     try:
         return _solution(read_text(path, fallback="latin-1"))
     except InputError as error:

@@ -31,9 +31,14 @@ class Field:
     value: str
     line: int
 
+    @property
+    def where(self) -> str:
+        """The field and its line, as errors name them."""
+        return f"{self.name:.40}, line {self.line}"
+
     def error(self, problem: str, advice: str) -> InputError:
         """Return an error that names the field and its line."""
-        return InputError(problem, field=f"{self.name:.40}, line {self.line}", advice=advice)
+        return InputError(problem, field=self.where, advice=advice)
 
 
 @dataclass(slots=True)
@@ -69,13 +74,7 @@ class Section:
         return self.error(problem, advice)
 
     def table(self, width: int) -> list[list[str]]:
-        """Return the words of every line.
-
-        Raises
-        ------
-        InputError
-            When a line has not `width` words, or a word is not a number.
-        """
+        """Return the words of every line: `width` of them, all numbers."""
         found = []
         for row, (_, text) in enumerate(self.rows):
             words = text.split()
@@ -90,13 +89,7 @@ class Section:
         return found
 
     def stream(self) -> Floats:
-        """Return all numbers, however they are broken into lines.
-
-        Raises
-        ------
-        InputError
-            When a word is not a number.
-        """
+        """Return all numbers, however they are broken into lines."""
         words = " ".join(text for _, text in self.rows).split()
         try:
             # The test of the whole is quick; matrices have millions of words.
@@ -121,19 +114,9 @@ class Tsplib:
         return self.fields[name].value if name in self.fields else ""
 
     def nodes(self, name: str, size: int, width: int) -> tuple[list[list[str]], list[int]]:
-        """Return the words of each node of a section, and the row that each stands in.
+        """Return the words of each of `size` nodes of a section, and the row that each stands in.
 
-        Parameters
-        ----------
-        name
-            Of the section, which must be there.
-        size, width
-            Number of nodes, and of words for each; the first is its number.
-
-        Raises
-        ------
-        InputError
-            When nodes are missing or repeated, or a word is not a number.
+        Each has `width` words, all numbers; the first is the number of the node.
         """
         section = self.sections.get(name)
         if section is None:
@@ -160,13 +143,7 @@ class Tsplib:
 
 
 def parse(text: str) -> Tsplib:
-    """Return the fields and sections of a text.
-
-    Raises
-    ------
-    InputError
-        When a line is neither, or something is given twice.
-    """
+    """Return the fields and sections of a text; nothing may be given twice."""
     found = Tsplib()
     section: Section | None = None
     lines = enumerate(re.split(r"\r\n|\r|\n", text), start=1)

@@ -11,7 +11,7 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
-from qrobot._files import StrPath, read_text
+from qrobot._files import read_text
 from qrobot.errors import InputError
 from qrobot.problem import (
     MAX_ITEMS,
@@ -21,13 +21,12 @@ from qrobot.problem import (
     Order,
     Robot,
 )
+from qrobot.problem.checks import first_invisible
 from qrobot.problem.formats.places import checked
 from qrobot.problem.formats.registry import Format, ReadOptions
 from qrobot.problem.formats.solutions import reference_beside, reference_in_comment
 from qrobot.problem.formats.tsplib import Tsplib, parse
-from qrobot.problem.formats.vrp_places import places_of
-from qrobot.problem.formats.weights import ROUNDINGS
-from qrobot.problem.names import first_invisible
+from qrobot.problem.formats.vrp_places import ROUNDINGS, places_of
 from qrobot.problem.units import exact
 
 __all__ = ["FORMAT", "read_vrp"]
@@ -54,42 +53,20 @@ _TRUCKS = re.compile(
 )
 
 
-def read_vrp(
-    path: StrPath,
-    *,
-    robots_follow: bool = False,
-    capacity: Fraction | None = None,
-    rounding: str | None = None,
-) -> Instance:
-    """Return the instance of a ``.vrp`` file.
+def read_vrp(path: Path, options: ReadOptions) -> Instance:
+    """Return the instance of a CVRP or ACVRP with distances that TSPLIB 95 knows.
 
     Items are named ``1`` to ``n``, the clients' numbers in ``.sol`` files: the nodes in
-    their sequence without the depot.
-
-    Parameters
-    ----------
-    path
-        A CVRP or ACVRP with distances that TSPLIB 95 knows.
-    robots_follow
-        Whether the number of robots is set afterwards, so that the file need not tell it.
-    capacity
-        Takes the place of CAPACITY.
-    rounding
-        ``none``, ``nearest``, ``up`` or ``down`` in the place of what EDGE_WEIGHT_TYPE
-        demands.
-
-    Raises
-    ------
-    InputError
-        When the file is broken, or asks for more than capacities.
+    their sequence without the depot. The capacity and the rounding that are asked for take the
+    place of CAPACITY and of what EDGE_WEIGHT_TYPE demands.
     """
+    rounding = options.rounding
     if rounding is not None and rounding not in ROUNDINGS:
         raise InputError(
             f"{rounding!r:.40} is not a rounding",
             field="rounding",
             advice=f"use one of {', '.join(ROUNDINGS)}",
         )
-    path = Path(path)
     file = parse(read_text(path, fallback="latin-1"))
     _check_known(file)
     size = _whole(file, "DIMENSION", most=MAX_STOPS + 1)
@@ -106,8 +83,8 @@ def read_vrp(
     items = tuple(
         Item(str(i + 1), demands[node], places.nodes[node]) for i, node in enumerate(clients)
     )
-    count = 1 if robots_follow else _count(path, file)
-    load = _capacity(file) if capacity is None else capacity
+    count = 1 if options.robots_follow else _count(path, file)
+    load = _capacity(file) if options.capacity is None else options.capacity
 
     def make() -> Instance:
         return Instance(
@@ -176,9 +153,7 @@ def _demands(file: Tsplib, size: int) -> tuple[list[Fraction], list[int]]:
         try:
             demand = exact(word, field="")
         except InputError as error:
-            raise file.sections["DEMAND"].error(
-                error.problem, error.advice or "correct it", row, 1
-            ) from None
+            raise error.at(file.sections["DEMAND"].where(row, 1)) from None
         if demand < 0:
             raise file.sections["DEMAND"].error(
                 f"the demand {word:.40} is negative", "use zero or more", row, 1
@@ -212,7 +187,7 @@ def _capacity(file: Tsplib) -> Fraction:
     try:
         capacity = exact(field.value, field="")
     except InputError as error:
-        raise field.error(error.problem, error.advice or "correct it") from None
+        raise error.at(field.where) from None
     if capacity <= 0:
         raise field.error(f"{field.value} is not positive", "correct it")
     return capacity
@@ -261,13 +236,4 @@ def _printable(text: str) -> str:
     return "".join(c for c in text if c.isprintable())[:200].strip()
 
 
-def _read(path: Path, options: ReadOptions) -> Instance:
-    return read_vrp(
-        path,
-        robots_follow=options.robots_follow,
-        capacity=options.capacity,
-        rounding=options.rounding,
-    )
-
-
-FORMAT = Format("CVRPLIB and QOBLIB", ".vrp", read=_read, options=frozenset({"rounding"}))
+FORMAT = Format("CVRPLIB and QOBLIB", ".vrp", read=read_vrp, options=frozenset({"rounding"}))

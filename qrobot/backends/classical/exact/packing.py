@@ -8,7 +8,7 @@ from qrobot.backends.base import Routes, Stop
 from qrobot.backends.classical.cpsat import new_solver, solve
 from qrobot.errors import MissingExtraError
 from qrobot.problem import Instance
-from qrobot.problem.packing import what_is_enough
+from qrobot.problem.fleets import what_is_enough
 
 __all__ = ["no_packing", "no_way", "pack"]
 

@@ -1,25 +1,31 @@
-"""The paper's constrained model, errata mended, written out with docplex.
+"""The paper's model, errata mended, in docplex: as LP file, and through Qiskit as penalty form.
 
-This is docs/formulation.md term by term and shares no code with the vectorised models but
-the list of vehicles and the coefficients of the slack: each is a test of the other.
+`picking_docplex` is docs/formulation.md term by term and shares no code with the vectorised
+models but the list of vehicles and the coefficients of the slack: each is a test of the other.
+docplex and qiskit-optimization are imported when a function needs them.
 """
 
 from __future__ import annotations
 
+import io
 import re
+import warnings
 from collections.abc import Iterator
 from itertools import combinations, permutations
 from typing import Any, Literal
+
+import dimod
 
 from qrobot._extras import load
 from qrobot.errors import InputError
 from qrobot.models.fleet import Vehicles, fleet_of
 from qrobot.models.layout import MAX_VARIABLES
+from qrobot.models.model import check_choice
 from qrobot.models.penalties import Penalties
 from qrobot.models.slack import Slack, slack_coefficients
 from qrobot.problem import Instance
 
-__all__ = ["DOCPLEX_ENCODINGS", "picking_docplex"]
+__all__ = ["DOCPLEX_ENCODINGS", "bqm_from_docplex", "lp_name", "lp_text", "picking_docplex"]
 
 DOCPLEX_ENCODINGS: tuple[Literal["reduced", "full"], ...] = ("reduced", "full")
 
@@ -67,8 +73,8 @@ def picking_docplex(
     MissingExtraError
         When docplex is not installed.
     """
-    _choice("encoding", encoding, DOCPLEX_ENCODINGS)
-    _choice("slack", slack, (None, "exact", "paper"))
+    check_choice("encoding", encoding, DOCPLEX_ENCODINGS)
+    check_choice("slack", slack, (None, "exact", "paper"))
     fleet = fleet_of(instance, every_robot=True)
     n, robots = instance.size, len(fleet)
     layers = n if encoding == "reduced" else n + 2
@@ -199,7 +205,138 @@ def _mates(instance: Instance) -> Iterator[tuple[int, int]]:
         yield from combinations(sorted(nodes), 2)
 
 
-def _choice(field: str, value: object, known: tuple[object, ...]) -> None:
-    if value not in known:
-        names = ", ".join("none" if name is None else str(name) for name in known)
-        raise InputError(f"{value!r} is unknown", field=field, advice=f"use {names}")
+def lp_name(label: str) -> str:
+    """Return the name that a variable or constraint has in LP files: ``x_1_0_2``.
+
+    A bracket begins the quadratic part there; commas and parentheses are read by some
+    solvers only.
+    """
+    return label.replace("[", "_").replace(",", "_").replace("]", "")
+
+
+def lp_text(model: Any) -> str:
+    """Return a model of `picking_docplex` in the LP format, with 12 decimals as docplex has them.
+
+    Raises
+    ------
+    MissingExtraError
+        When docplex is not installed.
+    """
+    base: Any = load("docplex.mp.lp_printer", "an LP file").LPModelPrinter
+
+    # By itself it would call x[1,0,2] just x3; renaming the variables, or a copy of the
+    # model, makes docplex write to the terminal.
+    class Printer(base):  # type: ignore[misc]
+        def fix_name(self, mobj: Any, *_: object) -> str:
+            return lp_name(str(mobj.name))
+
+    text = io.StringIO()
+    Printer().printModel(model, text)
+    return text.getvalue()
+
+
+# -- the penalty form ------------------------------------------------------------
+
+WEIGHTS = {
+    "step": "step",
+    "depot": "step",
+    "visit": "visit",
+    "capacity": "capacity",
+    "order": "same_robot",
+    "detour": "detour",
+}
+"""The weight of each family of constraints: a field of `Penalties`."""
+
+
+def bqm_from_docplex(model: Any, penalties: Penalties) -> dimod.BinaryQuadraticModel:
+    """Return the penalty form of a docplex model.
+
+    `qiskit_optimization` translates the model and its constraints: an equation becomes the
+    weighted square of its deviation, x + y <= 1 the weighted product x y. Meant for
+    models of some hundred variables; `build_model` makes the same much faster.
+
+    Parameters
+    ----------
+    model
+        From `picking_docplex` with a slack.
+    penalties
+        The weights; `shift` means nothing here.
+
+    Returns
+    -------
+    dimod.BinaryQuadraticModel
+        Binary, float64, with the names and the sequence of the model's variables.
+
+    Raises
+    ------
+    InputError
+        When the capacity is an inequality, or constraints are missing or not known.
+    MissingExtraError
+        When qiskit-optimization is not installed.
+    """
+    translators = load("qiskit_optimization.translators", "the penalty form of a docplex model")
+    with warnings.catch_warnings():
+        # A capacity without weights and slack is 0 = M: a constant of the energy.
+        warnings.filterwarnings("ignore", "Trivial constraint")
+        program = translators.from_docplex_mp(model)
+    families = _families(program)
+    if penalties.detour and "detour" not in families and program.get_num_vars():
+        raise InputError(
+            "the docplex model has no constraints against detours, for its distances need none",
+            field="penalties.detour",
+            advice="give 0",
+        )
+    bqm = dimod.BinaryQuadraticModel(dimod.BINARY)
+    for variable in program.variables:
+        bqm.add_variable(variable.name)
+    _add(bqm, program.objective)
+    for family, constraints in families.items():
+        weight = float(getattr(penalties, WEIGHTS[family]))
+        if weight:
+            _add(bqm, _penalty(program, constraints, weight))
+    return bqm
+
+
+def _families(program: Any) -> dict[str, list[Any]]:
+    found: dict[str, list[Any]] = {}
+    for constraint in program.linear_constraints:
+        family = constraint.name.partition("[")[0]
+        if family not in WEIGHTS:
+            raise InputError(
+                f"constraint {constraint.name!r} has no weight",
+                field="model",
+                advice="give a model of picking_docplex",
+            )
+        if family == "capacity" and constraint.sense.label != "==":
+            raise InputError(
+                "the capacity is an inequality",
+                field="slack",
+                advice="build the docplex model with slack 'exact' or 'paper'",
+            )
+        found.setdefault(family, []).append(constraint)
+    return found
+
+
+def _penalty(program: Any, constraints: list[Any], weight: float) -> Any:
+    """Return the objective that the libraries' converters make of constraints alone."""
+    from qiskit_optimization import QuadraticProgram
+    from qiskit_optimization.converters import LinearEqualityToPenalty, LinearInequalityToPenalty
+
+    alone = QuadraticProgram()
+    for variable in program.variables:
+        alone.binary_var(variable.name)
+    for given in constraints:
+        alone.linear_constraint(given.linear.coefficients, given.sense, given.rhs, given.name)
+    products = LinearInequalityToPenalty(penalty=weight).convert(alone)
+    return LinearEqualityToPenalty(penalty=weight).convert(products).objective
+
+
+def _add(bqm: dimod.BinaryQuadraticModel, objective: Any) -> None:
+    bqm.offset += objective.constant
+    for name, value in objective.linear.to_dict(use_name=True).items():
+        bqm.add_linear(name, value)
+    for (one, two), value in objective.quadratic.to_dict(use_name=True).items():
+        if one == two:
+            bqm.add_linear(one, value)  # x x = x
+        else:
+            bqm.add_quadratic(one, two, value)

@@ -1,16 +1,23 @@
-"""The compact encoding: no variable that every feasible plan would set the same way.
+"""The encodings: which variables a model has.
 
-Each vehicle p has steps 1 .. L[p], with L[p] the most items that fit it. The first m[p] of
-them, the items that the other vehicles must leave over, cannot be the depot. Items that
-are too heavy for a vehicle have no variables there. Slack exists only for vehicles that as
-many items could overload, and spans only the loads that the others leave over,
-max(0, W - M of all others) .. M[p]. Where L[p] is 2 or less no slack is needed: each pair
-of items that is too heavy together is penalised by itself.
+**full** and **reduced** are the paper's. The full encoding has x[t, i, p] for every step
+t = 0 .. n + 1, every node i = 0 .. n and every robot p: K (n + 1) (n + 2) variables and the
+slack. Being at the depot at both ends is a constraint like the others. Table 1 of the paper
+counts these. The reduced one has the depot's layers t = 0 and t = n + 1 put in as the constants
+that the constraints make them: K n (n + 1) variables and the slack, as in tables 2 and 3.
 
-For one vehicle all this leaves n x n variables: which item at which step.
+**compact** has no variable that every feasible plan would set the same way. Each vehicle p has
+steps 1 .. L[p], with L[p] the most items that fit it. The first m[p] of them, the items that
+the other vehicles must leave over, cannot be the depot. Items that are too heavy for a vehicle
+have no variables there. Slack exists only for vehicles that as many items could overload, and
+spans only the loads that the others leave over, max(0, W - M of all others) .. M[p]. Where L[p]
+is 2 or less no slack is needed: each pair of items that is too heavy together is penalised by
+itself. For one vehicle all this leaves n x n variables: which item at which step.
 """
 
 from __future__ import annotations
+
+from typing import Literal
 
 import numpy as np
 
@@ -20,7 +27,30 @@ from qrobot.models.layout import VariableLayout, check_size, layered
 from qrobot.models.slack import Slack, slack_coefficients
 from qrobot.problem import Instance
 
-__all__ = ["anchors", "compact_layout"]
+__all__ = ["anchors", "compact_layout", "paper_layout"]
+
+
+def paper_layout(
+    instance: Instance, encoding: Literal["full", "reduced"], slack: Slack
+) -> VariableLayout:
+    """Return the variables of an encoding of the paper."""
+    fleet = fleet_of(instance, every_robot=True)
+    n, robots = instance.size, len(fleet)
+    first, last = (0, n + 1) if encoding == "full" else (1, n)
+    layers = last - first + 1
+    check_size(robots * (n + 1) * layers, encoding)
+    return layered(
+        encoding,
+        fleet,
+        n,
+        first=first,
+        last=np.full(robots, last, dtype=np.int64),
+        allowed=[np.ones((layers, n + 1), dtype=np.bool_)] * robots,
+        slack=[slack_coefficients(room, slack) for room in fleet.capacities.tolist()],
+        summed=np.ones(robots, dtype=np.bool_),
+        paired=np.zeros(robots, dtype=np.bool_),
+    )
+
 
 PAIRS = 2
 """Up to this many items a vehicle, capacity is a matter of pairs."""
@@ -31,14 +61,7 @@ def compact_layout(
 ) -> VariableLayout:
     """Return the variables of the compact encoding.
 
-    Parameters
-    ----------
-    instance
-        The question.
-    slack
-        Kind of the slack binaries.
-    break_symmetry
-        Keep only one of the ways in which equal vehicles can exchange their trips.
+    `break_symmetry` keeps only one of the ways in which equal vehicles can exchange their trips.
 
     Raises
     ------
