@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
+from pathlib import Path
+
+from qrobot import pages
 
 __all__ = ["MOST_ROWS", "html_table", "shown_name"]
 
@@ -15,7 +17,7 @@ LONGEST = 400
 
 
 def html_table(
-    title: str, heads: Sequence[str], rows: Sequence[Sequence[object]], below: str = ""
+    title: str, heads: Sequence[str], rows: Sequence[Sequence[object]], picture: str = ""
 ) -> str:
     """Return a table with a line above it.
 
@@ -25,15 +27,17 @@ def html_table(
         The line above, as plain text.
     heads, rows
         The cells, as plain text.
-    below
-        What follows, as HTML of ours.
+    picture
+        What follows, as SVG of ours.
     """
-    more = len(rows) - MOST_ROWS
-    body = "".join(_row("td", row) for row in rows[:MOST_ROWS])
-    if more > 0:
-        body += f'<tr><td colspan="{max(len(heads), 1)}">... and {more} more</td></tr>'
-    head = f"<thead>{_row('th', heads)}</thead>" if heads else ""
-    return f"<div><p>{_text(title)}</p><table>{head}<tbody>{body}</tbody></table>{below}</div>"
+    return pages.render(
+        Path(pages.__file__).with_name("notebook.html"),
+        title=_text(title),
+        heads=[_text(head) for head in heads],
+        rows=[[_text(cell) for cell in row] for row in rows[:MOST_ROWS]],
+        more=len(rows) - MOST_ROWS,
+        picture=picture,
+    )
 
 
 def shown_name(name: str) -> str:
@@ -41,13 +45,8 @@ def shown_name(name: str) -> str:
     return repr(name if len(name) <= 40 else f"{name[:37]}...")
 
 
-def _row(tag: str, cells: Sequence[object]) -> str:
-    return f"<tr>{''.join(f'<{tag}>{_text(cell)}</{tag}>' for cell in cells)}</tr>"
-
-
 def _text(value: object) -> str:
     text = str(value)
     text = text if len(text) <= LONGEST else f"{text[:LONGEST]} ..."
     # A notebook is UTF-8: a name that is not must not keep it from being saved.
-    text = text.encode("utf-8", "backslashreplace").decode()
-    return escape(text).replace("\n", "<br/>")
+    return text.encode("utf-8", "backslashreplace").decode()

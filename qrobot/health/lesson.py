@@ -5,7 +5,6 @@ In a notebook they are displayed, in a plain script printed.
 
 from __future__ import annotations
 
-import html
 import importlib
 import io
 import itertools
@@ -13,10 +12,12 @@ import math
 import sys
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from qrobot._text import columns
 from qrobot.health.check import Check, difference
+from qrobot.pages import render
 
 __all__ = ["VERDICT", "Table", "draw", "table", "verdict"]
 
@@ -29,27 +30,20 @@ class Table:
 
     def __init__(self, heads: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
         self.heads = list(heads)
-        self.cells = [[_text(cell) for cell in row] for row in rows]
-        self.right = [
-            all(_is_number(row[k]) for row in rows) and bool(rows) for k in range(len(heads))
-        ]
+        self.rows = [[_text(cell) for cell in row] for row in rows]
+        self.numbers = frozenset(
+            k for k in range(len(heads)) if rows and all(_is_number(row[k]) for row in rows)
+        )
 
     def __str__(self) -> str:
-        numbers = frozenset(k for k, right in enumerate(self.right) if right)
-        return columns(self.heads, self.cells, numbers, ruled=False)
+        return columns(self.heads, self.rows, self.numbers, ruled=False)
 
     __repr__ = __str__  # what a terminal shows of an executed notebook
 
-    def _repr_html_(self) -> str:
-        def row(tag: str, cells: Sequence[str]) -> str:
-            sides = ["right" if right else "left" for right in self.right]
-            return "".join(
-                f'<{tag} style="text-align:{side}">{html.escape(cell)}</{tag}>'
-                for cell, side in zip(cells, sides, strict=True)
-            )
-
-        lines = [row("th", self.heads), *(row("td", cells) for cells in self.cells)]
-        return "<table>" + "".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
+    def _repr_html_(self, words: str = "", color: str = "") -> str:
+        """Return the table, and words below it."""
+        template = Path(__file__).with_name("lesson.html")
+        return render(template, table=self, words=words, color=color)
 
 
 class _Verdict:
@@ -88,10 +82,9 @@ class _Verdict:
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, object]:
         color = "#b00020" if self.wrong else "#1b6e2f"
-        words = f'<p style="color:{color}"><b>{html.escape(self.words)}</b></p>'
         return {
             "text/plain": str(self),
-            "text/html": self.table._repr_html_() + words,
+            "text/html": self.table._repr_html_(self.words, color),
             VERDICT: self.data,
         }
 
