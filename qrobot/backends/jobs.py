@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 from qrobot.errors import CredentialsError, InputError, MissingExtraError, RemoteError
 from qrobot.jobs.circuits import CircuitJobs
 from qrobot.jobs.driver import fetch_job, refresh
-from qrobot.jobs.job import RemoteJob
+from qrobot.jobs.job import RemoteJob, RemoteService
 from qrobot.jobs.retry import with_retries
-from qrobot.jobs.service import RemoteService
 from qrobot.jobs.store import JobStore
 
 if TYPE_CHECKING:

@@ -6,8 +6,7 @@ the boot partition. Secrets are hashed before they reach a file.
 """
 
 from qrobot.card.card import RELEASES, Written, seed_files, write_card
-from qrobot.card.keys import public_keys
-from qrobot.card.secrets import checked_passphrase, password_hash, wifi_key
+from qrobot.card.secrets import checked_passphrase, password_hash, public_keys, wifi_key
 from qrobot.card.seed import Security, Seed, StaticAddress, Wifi
 
 __all__ = [

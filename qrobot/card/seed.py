@@ -1,13 +1,17 @@
-"""What a robot's first boot is told; a value that no first boot would take cannot be made."""
+"""What a robot's first boot is told; a value that no first boot would take cannot be made.
+
+A static address is checked as netplan and NetworkManager would: netplan refuses the whole file for
+one address that it does not take, and a robot without a screen then has no network at all.
+"""
 
 from __future__ import annotations
 
+import ipaddress
 import re
 import zoneinfo
 from dataclasses import dataclass
 from typing import Literal
 
-from qrobot.card.addresses import StaticAddress
 from qrobot.card.secrets import checked_passphrase
 from qrobot.errors import InputError
 
@@ -35,37 +39,54 @@ _TAKEN = (
 )
 
 
-def check_host_name(text: str) -> str:
-    """Return a host name (RFC 1123, one label)."""
+Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+Interface = ipaddress.IPv4Interface | ipaddress.IPv6Interface
+
+_EXAMPLE = "give one such as 192.168.1.20/24"
+_THIS_NETWORK = ipaddress.IPv4Network("0.0.0.0/8")
+
+_FORMS = {
+    "--hostname": (
+        r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?",  # RFC 1123, one label
+        "is not a host name",
+        "give 1 to 63 letters, digits and hyphens, with no hyphen at either end",
+    ),
+    "--user": (
+        r"[a-z][a-z0-9-]{0,31}",  # as the first boot of both releases takes it
+        "is not a name that Raspberry Pi OS takes",
+        "give up to 32 small letters, digits and hyphens, beginning with a letter",
+    ),
+    "--locale": (
+        r"(C|[a-z]{2,3}_[A-Z]{2})\.UTF-8(@[a-z]+)?",
+        "is not a locale of UTF-8",
+        "give one such as de_DE.UTF-8 or C.UTF-8",
+    ),
+    "--keyboard": (r"[a-z]{2,12}", "is not a layout", "give one such as de, gb or us"),  # as in XKB
+}
+"""Of values that have a form: the form, what is wrong with another text, and the advice."""
+
+
+def _check_form(option: str, text: str | None) -> None:
+    form, problem, advice = _FORMS[option]
+    if text is not None and not re.fullmatch(form, text):
+        raise _refused(text, option, problem, advice)
+
+
+def _check_host_name(text: str) -> None:
     if "." in text:
         raise _refused(text, "--hostname", "has a dot", "give the first part only")
-    if not re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?", text):
-        raise _refused(
-            text,
-            "--hostname",
-            "is not a host name",
-            "give 1 to 63 letters, digits and hyphens, with no hyphen at either end",
-        )
+    _check_form("--hostname", text)
     if text.lower() == "localhost" or text.isdigit():
         raise _refused(text, "--hostname", "would be taken for another machine", "give a name")
-    return text
 
 
-def check_user_name(text: str) -> str:
-    """Return the name of an account, as the first boot of both releases takes it."""
-    if not re.fullmatch(r"[a-z][a-z0-9-]{0,31}", text):
-        raise _refused(
-            text,
-            "--user",
-            "is not a name that Raspberry Pi OS takes",
-            "give up to 32 small letters, digits and hyphens, beginning with a letter",
-        )
+def _check_user_name(text: str) -> None:
+    _check_form("--user", text)
     if text in _TAKEN.split():
         raise _refused(text, "--user", "is an account or group of the system", "give another name")
-    return text
 
 
-def check_country_code(text: str) -> str:
+def _country_code(text: str) -> str:
     """Return the code of a country (ISO 3166), in capitals."""
     code = text.upper()
     if code not in _ISO_3166.split():
@@ -74,8 +95,7 @@ def check_country_code(text: str) -> str:
     return code
 
 
-def check_ssid(text: str) -> str:
-    """Return the name of a Wi-Fi: 1 to 32 bytes."""
+def _check_ssid(text: str) -> None:
     try:
         size = len(text.encode())
     except UnicodeEncodeError:  # bytes of an argument that are not UTF-8
@@ -87,37 +107,136 @@ def check_ssid(text: str) -> str:
             "is not the name of a Wi-Fi",
             "give 1 to 32 bytes of UTF-8 without NUL",
         )
-    return text
 
 
-def check_time_zone(text: str) -> str:
-    """Return a time zone; where this machine has no list of them only the form is checked."""
+def _check_time_zone(text: str) -> None:
+    """Refuse what is not a time zone; without a list of them only the form is checked."""
     known = zoneinfo.available_timezones()
     form = re.fullmatch(r"[A-Za-z][A-Za-z0-9_+-]*(/[A-Za-z0-9_+-]+){0,2}", text)
     # Debian's list has two that are none: a link to the machine's own, and a placeholder.
     if not form or text in ("localtime", "Factory") or (known and text not in known):
         raise _refused(text, "--timezone", "is not a time zone", "give one such as Europe/Berlin")
-    return text
-
-
-def check_locale_name(text: str) -> str:
-    """Return a locale of UTF-8."""
-    if not re.fullmatch(r"(C|[a-z]{2,3}_[A-Z]{2})\.UTF-8(@[a-z]+)?", text):
-        raise _refused(
-            text, "--locale", "is not a locale of UTF-8", "give one such as de_DE.UTF-8 or C.UTF-8"
-        )
-    return text
-
-
-def check_keyboard(text: str) -> str:
-    """Return the layout of a keyboard, as XKB calls it."""
-    if not re.fullmatch(r"[a-z]{2,12}", text):
-        raise _refused(text, "--keyboard", "is not a layout", "give one such as de, gb or us")
-    return text
 
 
 def _refused(value: str, field: str, problem: str, advice: str) -> InputError:
     return InputError(f"{value!a} {problem}", field=field, advice=advice)
+
+
+@dataclass(frozen=True)
+class StaticAddress:
+    """An address that does not come from the network's DHCP server.
+
+    Every value is kept as netplan takes it: ``192.168.1.20/24``, also where the network's mask
+    was given, and IPv6 in its short form.
+
+    Parameters
+    ----------
+    address
+        With the length of the network's prefix: ``192.168.1.20/24`` or of IPv6. A mask such as
+        ``/255.255.255.0`` is turned into a length.
+    gateway
+        The router, in the same network or, in IPv6, by its link-local address; none where the
+        robot stays inside.
+    dns
+        Name servers.
+
+    Raises
+    ------
+    InputError
+        When a text is not such an address, or the router is out of reach.
+    """
+
+    address: str
+    gateway: str | None = None
+    dns: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        own = _interface(self.address)
+        gateway = None if self.gateway is None else str(_gateway(self.gateway, own))
+        dns = tuple(dict.fromkeys(str(_name_server(text, own)) for text in self.dns))
+        object.__setattr__(self, "address", own.with_prefixlen)
+        object.__setattr__(self, "gateway", gateway)
+        object.__setattr__(self, "dns", dns)
+
+
+def _interface(text: str) -> Interface:
+    """Return the robot's own address with its network."""
+    option = "--static-address"
+    _, slash, mask = text.partition("/")
+    try:
+        own = ipaddress.ip_interface(text)
+    except ValueError:
+        slash = ""
+    if not slash or "%" in text:
+        raise _refused(text, option, "is not an address with a prefix length", _EXAMPLE)
+    if "." in mask and ipaddress.IPv4Address(mask) != own.netmask:
+        problem = "has a mask that is turned round"
+        raise _refused(text, option, problem, f"give {own.ip}/{own.network.prefixlen}")
+    if own.network.prefixlen == 0:
+        raise _refused(text, option, "has a prefix length of 0", _EXAMPLE)
+    if not _is_machine(own.ip):
+        raise _refused(text, option, "is not the address of one machine on a network", _EXAMPLE)
+    if own.ip in _ends(own):
+        problem = f"is the address of the whole network {own.network}"
+        raise _refused(text, option, problem, "give the one of the robot")
+    return own
+
+
+def _gateway(text: str, own: Interface) -> Address:
+    """Return the router's address; in IPv6 routers are usually known by their link-local one."""
+    option = "--gateway"
+    gateway = _address(text, option)
+    near = gateway in own.network or (gateway.version == 6 and gateway.is_link_local)
+    if (
+        gateway.version != own.version
+        or not (near and _is_machine(gateway))
+        or gateway == own.ip
+        or gateway in _ends(own)
+    ):
+        problem = f"is not another machine of the network {own.network}"
+        raise _refused(text, option, problem, "give the address of the router")
+    return gateway
+
+
+def _name_server(text: str, own: Interface) -> Address:
+    option = "--dns"
+    server = _address(text, option)
+    if not _is_machine(server) or server in _ends(own):
+        advice = "give the one of a name server, such as 9.9.9.9"
+        raise _refused(text, option, "is not the address of one machine on a network", advice)
+    if server == own.ip:
+        advice = "give the one of a name server, such as 9.9.9.9"
+        raise _refused(text, option, "is the robot itself, which has no name server", advice)
+    return server
+
+
+def _address(text: str, option: str) -> Address:
+    try:
+        address = ipaddress.ip_address(text)
+    except ValueError:
+        address = None
+    if address is None or "%" in text:
+        # A zone such as %eth0 is a name that only one machine knows: netplan takes none.
+        problem = "has a zone" if address else "is not an address"
+        raise _refused(text, option, problem, "give one such as 192.168.1.1")
+    return address
+
+
+def _is_machine(address: Address) -> bool:
+    """Return whether one machine on a network can have an address."""
+    if isinstance(address, ipaddress.IPv4Address):
+        special = address.is_reserved or address in _THIS_NETWORK  # the broadcast is reserved
+    else:
+        special = address.ipv4_mapped is not None
+    return not (special or address.is_loopback or address.is_multicast or address.is_unspecified)
+
+
+def _ends(own: Interface) -> tuple[Address, ...]:
+    """Return the addresses that mean the whole network; one of 1 or 2 addresses has none."""
+    if own.network.num_addresses <= 2:
+        return ()
+    first, last = own.network.network_address, own.network.broadcast_address
+    return (first, last) if own.version == 4 else (first,)
 
 
 Security = Literal["wpa2", "mixed", "wpa3"]
@@ -156,8 +275,8 @@ class Wifi:
     security: Security = "wpa2"
 
     def __post_init__(self) -> None:
-        check_ssid(self.ssid)
-        object.__setattr__(self, "country", check_country_code(self.country))
+        _check_ssid(self.ssid)
+        object.__setattr__(self, "country", _country_code(self.country))
         if self.security == "wpa2":
             if not re.fullmatch(r"[0-9a-f]{64}", self.key):
                 raise InputError(
@@ -211,8 +330,8 @@ class Seed:
     address: StaticAddress | None = None
 
     def __post_init__(self) -> None:
-        check_host_name(self.hostname)
-        check_user_name(self.user)
+        _check_host_name(self.hostname)
+        _check_user_name(self.user)
         if not self.keys:
             raise InputError(
                 "there is no key, and nobody could log in",
@@ -224,11 +343,9 @@ class Seed:
                 "is not a hash", field="password", advice="make one with password_hash()"
             )
         if self.timezone is not None:
-            check_time_zone(self.timezone)
-        if self.locale is not None:
-            check_locale_name(self.locale)
-        if self.keyboard is not None:
-            check_keyboard(self.keyboard)
+            _check_time_zone(self.timezone)
+        _check_form("--locale", self.locale)
+        _check_form("--keyboard", self.keyboard)
 
     def __repr__(self) -> str:
         return f"Seed({self.hostname!r}, {self.user!r}, {len(self.keys)} keys)"

@@ -8,11 +8,20 @@ from qrobot.jobs.circuits import CircuitJobs
 from qrobot.jobs.cost import by_shots, by_time, check_budget, device_price, price
 from qrobot.jobs.credentials import Presence, presence, require
 from qrobot.jobs.driver import fetch_job, refresh, run_job
-from qrobot.jobs.job import Answer, Estimate, RemoteJob, State
+from qrobot.jobs.job import (
+    LIMITS,
+    PARAMETERS,
+    Answer,
+    Estimate,
+    JobOptions,
+    Keep,
+    RemoteJob,
+    RemoteService,
+    State,
+)
 from qrobot.jobs.redaction import redact, redact_data, register_secret
 from qrobot.jobs.retry import Backoff, with_retries
 from qrobot.jobs.samples import breakdown, json_data, timing_fields
-from qrobot.jobs.service import LIMITS, PARAMETERS, JobOptions, Keep, RemoteService
 from qrobot.jobs.store import JobStore, default_path
 
 __all__ = [

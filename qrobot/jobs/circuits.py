@@ -11,8 +11,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from qrobot.errors import RemoteError
-from qrobot.jobs.job import Answer, Estimate, RemoteJob, State
-from qrobot.jobs.service import Keep
+from qrobot.jobs.job import Answer, Estimate, Keep, RemoteJob, State
 
 if TYPE_CHECKING:
     import dimod

@@ -73,19 +73,7 @@ def price_source(name: str) -> str:
 
 
 def by_time(seconds: float, usd_per_second: float, what: str, note: str = "") -> Estimate:
-    """Return the estimate of a device that bills by time.
-
-    Parameters
-    ----------
-    seconds
-        That will be billed.
-    usd_per_second
-        The price.
-    what
-        What is billed, in words.
-    note
-        What was assumed, in words.
-    """
+    """Return the estimate of a device that bills by time; `note` says what was assumed."""
     basis = f"{seconds:.3g} s of {what} at {usd_per_second:.4g} USD/s"
     return Estimate(seconds * usd_per_second, seconds, f"{basis}; {note}" if note else basis)
 
@@ -99,10 +87,6 @@ def by_shots(
     ----------
     shots
         Of all tasks together.
-    usd_per_shot, usd_per_task
-        The prices.
-    tasks
-        How many.
     note
         What was assumed, in words.
     """

@@ -6,13 +6,12 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from qrobot.errors import InputError, QRobotError, RemoteError
+from qrobot.errors import QRobotError, RemoteError
 from qrobot.jobs.cost import check_budget
-from qrobot.jobs.job import Answer, Estimate, RemoteJob, pack_model
+from qrobot.jobs.job import Answer, Estimate, JobOptions, RemoteJob, RemoteService, pack_model
 from qrobot.jobs.redaction import redact
 from qrobot.jobs.retry import Kind, classify, with_retries
 from qrobot.jobs.samples import breakdown, empty, tell
-from qrobot.jobs.service import JobOptions, RemoteService
 from qrobot.jobs.store import JobStore
 
 if TYPE_CHECKING:
@@ -36,12 +35,6 @@ def run_job(
 
     Parameters
     ----------
-    service
-        The sampler.
-    bqm
-        The model.
-    options
-        Limits of time and money.
     store
         Where the job is kept; default: the user's own.
     **parameters
@@ -59,12 +52,6 @@ def run_job(
         that names the job, which goes on.
     """
     chosen = options or JobOptions()
-    if chosen.timeout is not None and not chosen.timeout > 0:
-        raise InputError(
-            f"timeout {chosen.timeout} is not positive",
-            field="timeout",
-            advice="give seconds above 0",
-        )
     if bqm.num_variables == 0:
         import dimod
 
@@ -207,12 +194,8 @@ def fetch_job(
     ----------
     service
         The sampler that submitted it.
-    job
-        The job.
     store
         Where it is kept; an answer that was fetched before is taken from there.
-    options
-        Backoff and interrupts of the calls.
     begun
         Our clock (`time.perf_counter`) when it was submitted, where this process did it.
 
