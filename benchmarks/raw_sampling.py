@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.outputs import write
-from qrobot.backends.annealing.neal import NealSampler
+from qrobot.backends.annealing.samplers import NealSampler
 from qrobot.models import PickingModel, build_model
 from qrobot.problem import (
     AisleWarehouse,

@@ -13,8 +13,7 @@ import pytest
 from oracles import least_distance, paper_shaped
 
 from qrobot.backends import Capabilities, Planner, Routes, Search, Stop
-from qrobot.backends.annealing.neal import NealSampler
-from qrobot.backends.annealing.tabu import TabuSampler
+from qrobot.backends.annealing.samplers import NealSampler, TabuSampler
 from qrobot.backends.sampler import Parameter, PickingSampler
 from qrobot.backends.testing import PlannerConformance, SamplerConformance, cases, verify
 from qrobot.errors import InputError

@@ -93,7 +93,7 @@ def test_a_folder_that_cannot_be_made_is_named(
 def test_a_backend_that_fails_is_code_3(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from qrobot.backends.annealing.descent import DescentSampler
+    from qrobot.backends.annealing.samplers import DescentSampler
     from qrobot.errors import BackendError
 
     def fail(*_: object, **__: object) -> None:

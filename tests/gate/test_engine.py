@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from qrobot import _jit as jit
-from qrobot.backends.gate.state.engine import Engine, make_engine, thread_count
+from qrobot.backends.gate.state.engine import LayerEngine, make_engine, thread_count
 from qrobot.errors import InputError, MissingExtraError
 
 COMPILED = pytest.mark.skipif(not jit.available(), reason="numba is not installed")
@@ -114,7 +114,7 @@ def test_engines_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
         make_engine("numpy", 0)
     assert thread_count(None) >= 1
     monkeypatch.setattr(jit, "available", lambda: False)
-    engine: Engine = make_engine("auto")
+    engine: LayerEngine = make_engine("auto")
     assert engine.name == "numpy"
     with pytest.raises(MissingExtraError, match="pip install"):
         make_engine("numba")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from qrobot import _jit as jit
-from qrobot.backends.gate import analytic, resources
+from qrobot.backends.gate import ansatz, resources
 from qrobot.backends.gate.form import Form, diagonal
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
 from qrobot.errors import BackendError, InputError
@@ -28,20 +28,20 @@ def test_one_layer_has_a_closed_form(n: int) -> None:
     form = form_of(n, n, "SPIN")
     qaoa = DiagonalQAOA(form)
     for gamma, beta in ((0.3, 0.2), (-0.7, 1.1), (2.0, -0.5)):
-        expected = analytic.expectation(form, gamma, beta)
+        expected = ansatz.expectation(form, gamma, beta)
         assert qaoa.value(np.array([gamma]), np.array([beta])) == pytest.approx(expected, abs=1e-9)
-    gamma, beta, value = analytic.best_layer(form)
+    gamma, beta, value = ansatz.best_layer(form)
     grid = [
-        analytic.expectation(form, g / form.spread, b)
+        ansatz.expectation(form, g / form.spread, b)
         for g in np.linspace(-3, 3, 25)
         for b in np.linspace(-np.pi / 2, np.pi / 2, 25)
     ]
     assert value <= min(grid) + 1e-9
-    assert value == pytest.approx(analytic.expectation(form, gamma, beta), abs=1e-9)
+    assert value == pytest.approx(ansatz.expectation(form, gamma, beta), abs=1e-9)
 
 
 def test_a_constant_needs_no_angles() -> None:
-    assert analytic.best_layer(Form.from_bqm(dimod.BinaryQuadraticModel("BINARY")))[:2] == (0, 0)
+    assert ansatz.best_layer(Form.from_bqm(dimod.BinaryQuadraticModel("BINARY")))[:2] == (0, 0)
 
 
 @pytest.mark.parametrize("alpha", [1.0, 0.3])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from qrobot.backends.gate.algorithms import bfgs, nelder_mead
-from qrobot.backends.gate.analytic import ramp
+from qrobot.backends.gate.ansatz import ramp
 from qrobot.backends.gate.form import Form
 from qrobot.backends.gate.optimisers import Evaluations, Found
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA

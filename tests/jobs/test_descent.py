@@ -8,7 +8,7 @@ import dimod
 import dimod.testing
 import pytest
 
-from qrobot.backends.annealing.descent import DescentSampler
+from qrobot.backends.annealing.samplers import DescentSampler
 from qrobot.errors import InputError
 
 

@@ -86,7 +86,9 @@ def test_a_fallback_is_local_and_both_failures_are_told(
         qrobot.solve(instance, backend="neal", fallback=NAME)
     monkeypatch.setitem(registry.BUILTIN, "moon", ("moon.base", "Moon", "moon"))
     monkeypatch.setattr(
-        "qrobot.backends.annealing.neal.NealSampler.sample", lambda *_, **__: 1 / 0, raising=True
+        "qrobot.backends.annealing.samplers.NealSampler.sample",
+        lambda *_, **__: 1 / 0,
+        raising=True,
     )
     with pytest.raises(qrobot.BackendError, match=r"moon failed .* and so did the fallback neal"):
         qrobot.solve(instance, backend="moon", fallback="neal")

@@ -142,7 +142,7 @@ def test_pennylane_runs_a_task_by_the_plugin():
 
 
 def test_only_known_simulators_are_local() -> None:
-    from qrobot.backends.pennylane.remote import is_local
+    from qrobot.backends.pennylane.sampler import is_local
 
     assert is_local("lightning.qubit")
     assert is_local("braket.local.qubit")

@@ -13,7 +13,7 @@ from reproductions import blank, done, row_of, shortest
 from stacks.stacks import needs
 
 from qrobot.backends import registry
-from qrobot.backends.annealing.neal import NealSampler
+from qrobot.backends.annealing.samplers import NealSampler
 from qrobot.backends.gate import resources
 from qrobot.errors import InputError, MissingExtraError
 from qrobot.models import build_model

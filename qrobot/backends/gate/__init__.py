@@ -4,8 +4,7 @@
 samplers in the folders of the vendors build on `VariationalSampler`.
 """
 
-from qrobot.backends.gate.analytic import ramp
-from qrobot.backends.gate.ansatz import Ansatz, make_ansatz
+from qrobot.backends.gate.ansatz import Ansatz, make_ansatz, ramp
 from qrobot.backends.gate.circuit import Circuit, Gate
 from qrobot.backends.gate.constrained_circuits import subspace_circuit
 from qrobot.backends.gate.counting import Spectrum, spectrum

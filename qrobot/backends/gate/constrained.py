@@ -23,7 +23,7 @@ EVALUATIONS = 60
 SHARES = (1.0, 0.1)
 
 
-class _PreservingPlanner:
+class _ConstrainedPlanner:
     """Tunes the angles, then reads the final state.
 
     A unit of work is one run of the circuit in the search. Up to 20 million sequences (ten
@@ -40,29 +40,9 @@ class _PreservingPlanner:
         *,
         stop: Stop,
         seed: int = 0,
-        start: Routes | None = None,  # noqa: ARG002
+        start: Routes | None = None,  # noqa: ARG002 - the state begins as all plans alike
         on_best: OnBest | None = None,
     ) -> Search:
-        """Search for angles until `stop` says so, and read the state.
-
-        Parameters
-        ----------
-        instance
-            The question.
-        stop
-            Deadline, work limit and interrupts.
-        seed
-            Of the reads.
-        start
-            Not used: the state begins as all plans alike.
-        on_best
-            Told of the best read.
-
-        Raises
-        ------
-        BackendError
-            When there are too many plans.
-        """
         if not instance.size:
             return Search(routes=[], optimal=True)
         from qrobot.backends.classical.exact.packing import no_way
@@ -111,13 +91,13 @@ class _PreservingPlanner:
         return Search(routes=routes, work=found.evaluations, reads=told)
 
 
-class SwapPlanner(_PreservingPlanner):
+class SwapPlanner(_ConstrainedPlanner):
     """Exchanges of neighbouring positions mix."""
 
     name, mixer = "qaoa-swap", "swap"
 
 
-class GroverPlanner(_PreservingPlanner):
+class GroverPlanner(_ConstrainedPlanner):
     """A phase on the mean of all plans mixes."""
 
     name, mixer = "qaoa-grover", "grover"

@@ -17,7 +17,7 @@ import numpy as np
 
 from qrobot._arrays import Floats
 from qrobot.backends.gate.algorithms import bfgs, nelder_mead
-from qrobot.backends.gate.analytic import ramp
+from qrobot.backends.gate.ansatz import ramp
 from qrobot.backends.gate.optimisers import Evaluations
 from qrobot.errors import InputError
 

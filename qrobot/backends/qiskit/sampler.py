@@ -92,6 +92,13 @@ class _Statevector(StateEngine):
         return np.asarray(state.probabilities(), dtype=np.float64)
 
 
+def _run(simulator: Any, circuit: Any) -> Any:
+    result = simulator.run(circuit).result()
+    if not result.success:
+        raise BackendError("device aer: the simulation failed")
+    return result
+
+
 class _Aer(StateEngine):
     """Exact probabilities by Aer's state: all qubits are saved, so none can be cut off.
 
@@ -111,9 +118,7 @@ class _Aer(StateEngine):
         self.executions += 1
         circuit = circuit_of(self.circuit, angles)
         circuit.save_statevector()
-        result = self._simulator.run(circuit).result()
-        if not result.success:
-            raise BackendError("device aer: the simulation failed")
+        result = _run(self._simulator, circuit)
         found: Floats = np.abs(np.asarray(result.get_statevector(circuit))) ** 2
         return found
 
@@ -141,20 +146,12 @@ class _MixedAer(StateEngine):
     def probabilities(self, angles: Floats) -> Floats:
         self.executions += 1
         circuit, values = self._made.pub(angles)
-        result = self._simulator.run(circuit.assign_parameters(values)).result()
-        if not result.success:
-            raise BackendError("device aer: the simulation failed")
+        result = _run(self._simulator, circuit.assign_parameters(values))
         return np.asarray(result.data()["probabilities"], dtype=np.float64)
 
 
 def _noise_of(options: Options) -> Any:
-    """Return the noise model that Aer is given, or None when it does nothing.
-
-    Raises
-    ------
-    InputError
-        When it is something else.
-    """
+    """Return the noise model that Aer is given, or None when it does nothing."""
     model = options.device_options.get("noise_model")
     if model is None:
         return None
@@ -177,13 +174,8 @@ def _is_mixed(options: Options) -> bool:
 def _check_exact(qubits: int, options: Options) -> None:
     """Refuse what Aer's exact probabilities cannot be had of.
 
-    Raises
-    ------
-    BackendError
-        When the density matrix does not fit into memory.
-    InputError
-        When the method knows no state of these circuits, or measurements err too: a density
-        matrix knows the state, not what is read.
+    That is a density matrix beyond memory, a method that knows no state of these circuits, and
+    measurements that err too: a density matrix knows the state, not what is read.
     """
     method = options.device_options.get("method", EXACT[0])
     if method not in EXACT:

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats, Reals
 from qrobot._machine import available_memory
-from qrobot.backends.gate import analytic, resources
+from qrobot.backends.gate import resources
+from qrobot.backends.gate.ansatz import best_layer
 from qrobot.backends.gate.form import Form, below, bits_of, diagonal
 from qrobot.backends.gate.state.engine import make_engine
 from qrobot.errors import BackendError, InputError
@@ -206,7 +207,7 @@ class DiagonalQAOA:
 
     def guess(self) -> tuple[float, float] | None:
         """Return the best single layer for the expectation, in closed form."""
-        gamma, beta, _ = analytic.best_layer(self.form)
+        gamma, beta, _ = best_layer(self.form)
         return gamma, beta
 
     def value(self, gammas: Floats, betas: Floats) -> float:

@@ -18,7 +18,7 @@ from qrobot._extras import missing
 from qrobot._machine import usable_cores
 from qrobot.errors import InputError
 
-__all__ = ["Engine", "make_engine", "thread_count"]
+__all__ = ["LayerEngine", "make_engine", "thread_count"]
 
 
 ENGINES = ("auto", "numba", "numpy")
@@ -28,7 +28,7 @@ SMALL = 16
 numba takes seconds."""
 
 
-class Engine(Protocol):
+class LayerEngine(Protocol):
     """Layers and sums on a state of 2**n amplitudes, kept as real and imaginary parts.
 
     One layer is exp(-i beta (X_0 + .. + X_(n-1))) exp(-i gamma D) with the diagonal D; index
@@ -79,7 +79,7 @@ def thread_count(threads: int | None) -> int:
     return threads
 
 
-def make_engine(name: str = "auto", threads: int | None = 1, qubits: int = 64) -> Engine:
+def make_engine(name: str = "auto", threads: int | None = 1, qubits: int = 64) -> LayerEngine:
     """Return an engine by name.
 
     Parameters

@@ -12,6 +12,7 @@ The mixer of one qubit is exp(-i beta X): with c = cos beta and s = sin beta it 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,11 @@ __all__ = [
     "moments",
 ]
 
+compile_sum = partial(compile_kernel, sums=True)
 
-def _two(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
+
+@compile_kernel
+def two(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
     """Mix the one qubit of stride `h`."""
     for o in range(0, Re.shape[0], 2 * h):
         R0, I0 = Re[o : o + h], Im[o : o + h]
@@ -44,7 +48,8 @@ def _two(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
             I1[j] = c * i1 - s * r0
 
 
-def _four(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
+@compile_kernel
+def four(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
     """Mix the two qubits of strides `h` and `2 h`: half the loads and stores."""
     for o in range(0, Re.shape[0], 4 * h):
         R0, I0 = Re[o : o + h], Im[o : o + h]
@@ -66,7 +71,8 @@ def _four(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
             I3[j] = c * y3 - s * x1
 
 
-def _eight(Re: Reals, Im: Reals, c: Any, s: Any) -> None:
+@compile_kernel
+def eight(Re: Reals, Im: Reals, c: Any, s: Any) -> None:
     """Mix the three lowest qubits in registers: their strides are too short for vectors."""
     for o in range(0, Re.shape[0], 8):
         r0, r1, r2, r3 = Re[o], Re[o + 1], Re[o + 2], Re[o + 3]
@@ -91,12 +97,8 @@ def _eight(Re: Reals, Im: Reals, c: Any, s: Any) -> None:
         Im[o + 4], Im[o + 5], Im[o + 6], Im[o + 7] = i4, i5, i6, i7
 
 
-two = compile_kernel(_two)
-four = compile_kernel(_four)
-eight = compile_kernel(_eight)
-
-
-def _mix(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
+@compile_kernel
+def mix(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
     """Mix every qubit of stride `h` and above within a block."""
     size = Re.shape[0]
     if h == 1 and size >= 8:
@@ -109,7 +111,8 @@ def _mix(Re: Reals, Im: Reals, c: Any, s: Any, h: int) -> None:
         two(Re, Im, c, s, h)
 
 
-def _phase(Re: Reals, Im: Reals, D: Reals, k: Reals, fresh: bool) -> None:
+@compile_kernel
+def phase(Re: Reals, Im: Reals, D: Reals, k: Reals, fresh: bool) -> None:
     """Multiply with exp(-i gamma D), or begin with it times one amplitude.
 
     The angle in turns is reduced to half a turn around zero (exactly), its quarter goes into
@@ -139,11 +142,8 @@ def _phase(Re: Reals, Im: Reals, D: Reals, k: Reals, fresh: bool) -> None:
             Im[j] = i * cs - r * sn
 
 
-mix = compile_kernel(_mix)
-phase = compile_kernel(_phase)
-
-
-def _first_pass(
+@compile_kernel
+def first_pass(
     re: Reals, im: Reals, diagonal: Reals, k: Reals, c: Any, s: Any, bits: int, a: int, b: int
 ) -> None:
     """Begin in the uniform state: phase and low mixers of blocks a..b, nothing is read."""
@@ -153,7 +153,8 @@ def _first_pass(
         mix(re[o:e], im[o:e], c, s, 1)
 
 
-def _low_pass(
+@compile_kernel
+def low_pass(
     re: Reals,
     im: Reals,
     diagonal: Reals,
@@ -175,7 +176,8 @@ def _low_pass(
             mix(re[o:e], im[o:e], c, s, 1)
 
 
-def _high_pass(
+@compile_kernel
+def high_pass(
     re: Reals,
     im: Reals,
     Re: Reals,
@@ -206,12 +208,8 @@ def _high_pass(
             im[o : o + width] = Im[row * width : (row + 1) * width]
 
 
-first_pass = compile_kernel(_first_pass)
-low_pass = compile_kernel(_low_pass)
-high_pass = compile_kernel(_high_pass)
-
-
-def _moments(re: Reals, im: Reals, diagonal: Reals, a: int, b: int) -> tuple[float, float]:
+@compile_sum
+def moments(re: Reals, im: Reals, diagonal: Reals, a: int, b: int) -> tuple[float, float]:
     """Return the sums of probability, and of probability times energy, of a..b."""
     mass, energy = 0.0, 0.0
     for start in range(a, b, 1024):
@@ -226,7 +224,8 @@ def _moments(re: Reals, im: Reals, diagonal: Reals, a: int, b: int) -> tuple[flo
     return mass, energy
 
 
-def _histogram(
+@compile_kernel
+def histogram(
     re: Reals,
     im: Reals,
     diagonal: Reals,
@@ -247,7 +246,8 @@ def _histogram(
         energy[k] += p * e
 
 
-def _overlap(lr: Reals, li: Reals, re: Reals, im: Reals, h: int) -> float:
+@compile_sum
+def overlap(lr: Reals, li: Reals, re: Reals, im: Reals, h: int) -> float:
     """Return the imaginary part of <l| sum of X |state> over strides `h` and above."""
     total, size = 0.0, re.shape[0]
     while 2 * h <= size:
@@ -265,10 +265,8 @@ def _overlap(lr: Reals, li: Reals, re: Reals, im: Reals, h: int) -> float:
     return total
 
 
-overlap = compile_kernel(_overlap, sums=True)
-
-
-def _low_overlap(lr: Reals, li: Reals, re: Reals, im: Reals, bits: int, a: int, b: int) -> float:
+@compile_kernel
+def low_overlap(lr: Reals, li: Reals, re: Reals, im: Reals, bits: int, a: int, b: int) -> float:
     """Return the overlap over the low qubits of blocks a..b."""
     total = 0.0
     for block in range(a, b):
@@ -277,7 +275,8 @@ def _low_overlap(lr: Reals, li: Reals, re: Reals, im: Reals, bits: int, a: int, 
     return total
 
 
-def _high_overlap(
+@compile_kernel
+def high_overlap(
     lr: Reals, li: Reals, re: Reals, im: Reals, low: int, bits: int, width: int, a: int, b: int
 ) -> float:
     """Return the overlap over qubits low .. low + bits - 1 of tiles a..b."""
@@ -294,9 +293,3 @@ def _high_overlap(
             tiles[3, at : at + width] = im[o : o + width]
         total += overlap(tiles[0], tiles[1], tiles[2], tiles[3], width)
     return total
-
-
-moments = compile_kernel(_moments, sums=True)
-histogram = compile_kernel(_histogram)
-low_overlap = compile_kernel(_low_overlap)
-high_overlap = compile_kernel(_high_overlap)
