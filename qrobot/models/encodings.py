@@ -85,8 +85,10 @@ def compact_layout(
         nodes[:, lots > int(fleet.capacities[k])] = False
         allowed.append(nodes)
     if break_symmetry:
-        for k, node in _excluded(instance, fleet):
-            allowed[k][:, node] = False
+        for group, heaviest in anchors(instance, fleet):
+            for r, node in enumerate(heaviest):
+                for k in group[r + 1 :]:
+                    allowed[k][:, node] = False
     spare = fleet.capacities - limits.lightest
     return layered(
         "compact",
@@ -117,13 +119,3 @@ def anchors(instance: Instance, fleet: Vehicles) -> list[tuple[list[int], list[i
         if len(group) > 1:
             found.append((group, heaviest[: len(group) - 1]))
     return found
-
-
-def _excluded(instance: Instance, fleet: Vehicles) -> list[tuple[int, int]]:
-    """Return the pairs of vehicle and item that breaking the symmetry excludes."""
-    return [
-        (k, node)
-        for group, nodes in anchors(instance, fleet)
-        for r, node in enumerate(nodes)
-        for k in group[r + 1 :]
-    ]

@@ -26,21 +26,14 @@ Written = tuple[bytes, dict[str, Any]]
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ModelFormat:
-    """A kind of file that holds a model.
-
-    Parameters
-    ----------
-    name
-        As reports have it.
-    ending
-        What people are advised to end its files with.
-    write
-        Takes the instance, encoding, slack and penalties as `export_model` does.
-    """
+    """A kind of file that holds a model."""
 
     name: str
+    """As reports have it"""
     ending: str
+    """What people are advised to end its files with"""
     write: Callable[[Instance, Any, Any, Any], Written]
+    """Takes the instance, encoding, slack and penalties as `export_model` does"""
 
 
 def format_of(path: StrPath) -> ModelFormat:

@@ -17,18 +17,12 @@ __all__ = ["TripLimits", "Vehicles", "fleet_of", "limits_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Vehicles:
-    """The vehicles of a model, the largest first.
-
-    Parameters
-    ----------
-    capacities
-        Room of each vehicle in units of weight, shape (K,).
-    names
-        What messages call each: the robot's id, with the trip when it makes several.
-    """
+    """The vehicles of a model, the largest first."""
 
     capacities: Ints
+    """Room of each in units of weight, shape (K,)"""
     names: tuple[str, ...]
+    """What messages call each: the robot's id, with the trip when it makes several"""
 
     def __len__(self) -> int:
         return len(self.names)
@@ -36,24 +30,16 @@ class Vehicles:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TripLimits:
-    """What every feasible plan keeps to, vehicle by vehicle: free cuts for a small model.
-
-    Parameters
-    ----------
-    most
-        The most items that fit, shape (K,).
-    least
-        The fewest items that the others leave over, shape (K,).
-    lightest
-        The least load that the others leave over, in units, shape (K,).
-    binding
-        Whether as many items as fit in number could be too heavy, shape (K,).
-    """
+    """What every feasible plan keeps to: free cuts for a small model. All of shape (K,)."""
 
     most: Ints
+    """The most items that fit"""
     least: Ints
+    """The fewest items that the others leave over"""
     lightest: Ints
+    """The least load that the others leave over, in units"""
     binding: npt.NDArray[np.bool_]
+    """Whether as many items as fit in number could be too heavy"""
 
 
 def fleet_of(instance: Instance, *, every_robot: bool = False) -> Vehicles:

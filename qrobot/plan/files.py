@@ -12,7 +12,7 @@ from qrobot.plan.checker import check as check_plan
 from qrobot.plan.plan import Plan
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
-from qrobot.problem.formats.jsontext import find_path, loads
+from qrobot.problem.formats.jsontext import loads, located
 
 __all__ = ["check", "plan_of", "read_plan"]
 
@@ -51,11 +51,10 @@ def read_plan(path: StrPath) -> Plan:
     """
     text = read_text(path)
     try:
-        return Plan.from_dict(loads(text))
+        with located(text):
+            return Plan.from_dict(loads(text))
     except InputError as error:
-        place = find_path(text, error.field) if error.field else None
-        field = f"{error.field}, {place}" if place else error.field
-        raise error.at(field).in_file(os.fspath(path)) from None
+        raise error.in_file(os.fspath(path)) from None
 
 
 def plan_of(answer: Any) -> Plan:

@@ -45,7 +45,6 @@ class OpenFloor:
     way_out: ClassVar = ""
 
     def __post_init__(self) -> None:
-        """Check the depot."""
         check_coordinate(self.depot_x, "depot.x")
         check_coordinate(self.depot_y, "depot.y")
 

@@ -47,7 +47,6 @@ class DistanceTable:
         return f"<DistanceTable of {len(self.matrix)} rows, depot {self.depot_node}>"
 
     def __post_init__(self) -> None:
-        """Check that the matrix is square and made of distances."""
         size = len(self.matrix)
         if not size:
             raise InputError("is empty", field="matrix", advice="give at least the depot's row")

@@ -12,8 +12,7 @@ from qrobot.cli.progress import ProgressLine
 from qrobot.cli.solve import command
 from qrobot.errors import InputError
 from qrobot.planning import Progress
-from qrobot.problem.formats import read, suffixes
-from qrobot.problem.shipped import example_path
+from qrobot.problem.formats import example_path, read, suffixes
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import qrobot
-from qrobot.problem.formats.solutions import read_solution
+from qrobot.problem.formats.vrp import read_solution
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 FILES = sorted(DATA.glob("*/*.vrp"))

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import qrobot
-from qrobot.problem.formats.solutions import read_solution
+from qrobot.problem.formats.vrp import read_solution
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 INSTANCES = sorted(

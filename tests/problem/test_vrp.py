@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import qrobot
 from qrobot.errors import InputError
 from qrobot.problem import DistanceTable, Instance, OpenFloor
-from qrobot.problem.formats.solutions import read_solution
+from qrobot.problem.formats.vrp import read_solution
 
 GOOD = """\
 # a comment line

@@ -19,11 +19,15 @@ from qrobot.problem.formats.registry import (
     suffixes,
 )
 from qrobot.problem.instance import Instance
-from qrobot.problem.shipped import example_path
 from qrobot.problem.units import Quantity, exact
 
 __all__ = ["Format", "ReadOptions", "instance_of", "read", "register", "suffixes", "write"]
 
+
+_EXAMPLES = (
+    Path(__file__).resolve().parents[2] / "examples",  # in an installed package
+    Path(__file__).resolve().parents[3] / "examples",  # in a checkout
+)
 
 _FOREIGN = {
     # option: (field, problem, advice), where a file's format does not know it
@@ -131,6 +135,35 @@ def _unknown(path: StrPath) -> InputError:
     return InputError(
         f"unsupported format ({shown})", advice=f"give a {', '.join(others)} or {last} file"
     )
+
+
+def example_path(path: StrPath) -> Path | None:
+    """Return the file of ``example`` or ``example:NAME``, None when that is not meant.
+
+    A file that has this name comes first.
+    """
+    text = os.fspath(path)
+    if os.path.lexists(text):
+        return None
+    if text == "example":
+        name = "small-warehouse"
+    elif text.startswith("example:"):
+        name = text.removeprefix("example:")
+    else:
+        return None
+    found = {
+        file.stem: file
+        for place in _EXAMPLES
+        for file in sorted(place.glob("*"))
+        if file.suffix in suffixes() and file.stem != "layout"
+    }
+    if name not in found:
+        raise InputError(
+            "there is no such example",
+            source=text,
+            advice="use one of " + ", ".join(f"example:{known}" for known in sorted(found)),
+        )
+    return found[name]
 
 
 def instance_of(question: Instance | StrPath) -> Instance:

@@ -183,11 +183,11 @@ def _rows(text: str) -> tuple[str, list[tuple[int, list[str]]]]:
     """Return the delimiter, and the cells of every line that is not empty with its number."""
     skipped = 0
     # Written for Excel: which separator follows.
-    told = re.match(r"\s*\"?sep=(.)\"?[ \t]*(?:\r\n|\r|\n|\Z)", text, re.IGNORECASE)
-    if told is not None:
-        skipped = len(re.findall(r"\r\n|\r|\n", told[0]))
-        text = text[told.end() :]
-        delimiter = told[1]
+    declared = re.match(r"\s*\"?sep=(.)\"?[ \t]*(?:\r\n|\r|\n|\Z)", text, re.IGNORECASE)
+    if declared is not None:
+        skipped = len(re.findall(r"\r\n|\r|\n", declared[0]))
+        text = text[declared.end() :]
+        delimiter = declared[1]
     else:
         head = (text.lstrip("\r\n ").splitlines() or [""])[0]
         delimiter = max(",;\t", key=head.count)

@@ -12,13 +12,14 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
 from qrobot.errors import InputError
 
-__all__ = ["dumps", "find_path", "loads"]
+__all__ = ["dumps", "loads", "located"]
 
 _WIDTH = 96
 _EXACT_DIGITS = 15
@@ -187,6 +188,16 @@ def _unquoted(word: str) -> str:
 def _place(text: str, at: int) -> str:
     before = text[:at]
     return f"line {before.count(chr(10)) + 1}, column {at - before.rfind(chr(10))}"
+
+
+@contextmanager
+def located(text: str) -> Iterator[None]:
+    """Let errors tell line and column of their field in a text."""
+    try:
+        yield
+    except InputError as error:
+        place = find_path(text, error.field) if error.field else None
+        raise error.at(f"{error.field}, {place}") if place else error from None
 
 
 def find_path(text: str, path: str) -> str | None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import decimal
 import math
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -33,7 +31,7 @@ from qrobot.problem import (
 )
 from qrobot.problem.fleets import check_fleet_size
 from qrobot.problem.formats.fields import shown
-from qrobot.problem.formats.jsontext import dumps, find_path, loads
+from qrobot.problem.formats.jsontext import dumps, loads, located
 from qrobot.problem.formats.places import checked
 from qrobot.problem.formats.registry import Format, ReadOptions
 from qrobot.problem.formats.schema import (
@@ -84,18 +82,8 @@ def parse_native(text: str) -> Instance:
     InputError
         When the text is not a document of this schema, or what it asks makes no sense.
     """
-    with _places_of(text):
+    with located(text):
         return _instance(_document(loads(text)))
-
-
-@contextmanager
-def _places_of(text: str) -> Iterator[None]:
-    """Let errors tell line and column of their field."""
-    try:
-        yield
-    except InputError as error:
-        place = find_path(text, error.field) if error.field else None
-        raise error.at(f"{error.field}, {place}") if place else error from None
 
 
 def _instance(document: Document) -> Instance:
@@ -132,7 +120,7 @@ def _instance(document: Document) -> Instance:
 def read_layout(path: StrPath) -> Layout:
     """Return the layout of a native document that has neither items nor orders."""
     text = read_text(path)
-    with _places_of(text):
+    with located(text):
         document = _document(loads(text))
         for name in ("items", "orders", "reference"):
             if name in document.model_fields_set:
