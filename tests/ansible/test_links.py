@@ -290,8 +290,12 @@ def test_links_below_the_home_are_not_followed(opened: Path) -> None:
         assert path.stat().st_uid == someone().pw_uid
     assert "planted-dwave-token" in (clean / ".config/dwave/dwave.conf").read_text()
 
+    # A home is given to those tasks that made something in the folder with its link.
+    steps = [{**task, "when": f"{at} in steps"} for at, task in enumerate(steps)]
     hosts, before, places = {}, {}, {}
     for number, place in enumerate(components(paths)):
+        top = place.split("/")[0]
+        meant = [at for at, one in enumerate(told) if top in components(one["paths"])]
         for kind in ("file", "folder"):
             name = f"{kind}{number}"
             home, victim = opened / name, opened / f"{name}-victim"
@@ -306,7 +310,7 @@ def test_links_below_the_home_are_not_followed(opened: Path) -> None:
             link.parent.mkdir(parents=True)
             link.symlink_to(victim / "private" if kind == "file" else victim)
             own(home)
-            hosts[name] = {**LOCAL, "qrobot_home": str(home), "told": str(opened / name)}
+            hosts[name] = {**LOCAL, "qrobot_home": str(home), "steps": meant}
             before[name], places[name] = tree(victim), place
     said = run(opened, steps, hosts)
     for name, place in places.items():
