@@ -7,19 +7,18 @@ each of its components, to a file and to a folder of somebody else, and the task
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import pwd
 import re
 import shutil
 import stat
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+import qrobot_owned as owned
 from fleet_house import ANSIBLE, LOCAL, play
 
 yaml = pytest.importorskip("yaml")
@@ -353,21 +352,6 @@ def test_links_below_the_reports_are_not_followed(opened: Path) -> None:
     assert f"{opened}/link/1-solver-a.json is a link, and qRobot follows none below" in said
     assert f"{opened}/pipe/1-solver-a.json is not a plain file" in said
     assert f"{opened}/large/1-solver-a.json has more than 32 MB" in said
-
-
-def load() -> Any:
-    """Load the part that becomes the owner, as a module of its own."""
-    path = ANSIBLE / "plugins/module_utils/qrobot_owned.py"
-    spec = importlib.util.spec_from_file_location("qrobot_owned", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses and annotations look there
-    spec.loader.exec_module(module)
-    return module
-
-
-owned = load()
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")
