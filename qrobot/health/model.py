@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal
 
 __all__ = ["SCHEMA", "CheckResult", "Finding", "Report", "Standing", "Status", "Value"]
@@ -204,16 +204,9 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the document that ``qrobot health --json`` prints."""
-        about = {
-            name: getattr(self, name)
-            for name in (
-                "qrobot", "python", "made", "host", "machine_id", "machine", "model", "profile",
-                "required", "seconds",
-            )
-        }  # fmt: skip
         return {
             "schema": SCHEMA,
-            **about,
+            **{f.name: getattr(self, f.name) for f in fields(self)[:-2]},  # the lists come last
             "healthy": self.healthy,
             "totals": self.totals,
             "system": [finding.to_dict() for finding in self.system],

@@ -175,7 +175,6 @@ def with_retries(
     backoff: Backoff | None = None,
     idempotent: bool = True,
     stop: Callable[[], bool] | None = None,
-    on_retry: Callable[[int, float, str], None] | None = None,
     sleep: Callable[[float], object] = time.sleep,
     chance: Callable[[], float] = random.random,
 ) -> T:
@@ -194,8 +193,6 @@ def with_retries(
         it is repeated only when it cannot have arrived.
     stop
         Asked before each wait; True ends the tries.
-    on_retry
-        Told the number of the failed try, the seconds until the next one, and why.
     sleep, chance
         For tests.
 
@@ -225,6 +222,4 @@ def with_retries(
         attempt += 1
         if not again or attempt >= plan.attempts or late or (stop is not None and stop()):
             raise trouble
-        if on_retry is not None:
-            on_retry(attempt, wait, str(trouble))
         sleep(wait)

@@ -34,22 +34,13 @@ def tell(samples: dimod.SampleSet, job: RemoteJob) -> dimod.SampleSet:
     info = redact_data(json_data(samples.info))
     samples.info.clear()
     samples.info.update(info)
-    remote = redact_data(_remote_info(job))
+    estimate, timing = job.estimate.to_dict(), dict(job.timings)
+    remote = {"job": job.id, "state": job.state, "estimate": estimate, "timing": timing}
     ids = {"remote_id": job.remote_id, "device": job.device}
-    samples.info["remote"] = remote | {k: redact(v, guess=False) for k, v in ids.items()}
-    return samples
-
-
-def _remote_info(job: RemoteJob) -> dict[str, Any]:
-    data = job.to_dict()
-    return {
-        "job": data["id"],
-        "remote_id": data["remote_id"],
-        "device": data["device"],
-        "state": data["state"],
-        "estimate": data["estimate"],
-        "timing": data["timings"],
+    samples.info["remote"] = redact_data(remote) | {
+        name: redact(value, guess=False) for name, value in ids.items()
     }
+    return samples
 
 
 def json_data(data: Any) -> Any:

@@ -56,6 +56,10 @@ class Column:
                 found.setdefault(value, []).append(machine)
         return found
 
+    def differs(self, machine: str) -> bool:
+        """Return whether a machine is not with the majority, where there is one."""
+        return self.majority is not None and self.values[machine] not in (NOT_ASKED, self.majority)
+
     def sentence(self) -> str:
         """Return the majority and who differs from it."""
         others = [f"{value} on {', '.join(names)}" for value, names in self.different.items()]
@@ -97,11 +101,7 @@ class FleetHealth:
 
     def differences(self, machine: str) -> int:
         """Return in how many columns a machine is not with the majority."""
-        return sum(
-            column.values[machine] not in (NOT_ASKED, column.majority)
-            for column in self.columns
-            if column.majority is not None
-        )
+        return sum(column.differs(machine) for column in self.columns)
 
     def table(self, columns: Sequence[Column] | None = None) -> Table:
         """Return one row a machine; the columns are what differs."""
@@ -129,8 +129,7 @@ class FleetHealth:
                 (row, len(heads) + place)
                 for row, name in enumerate(self.machines)
                 for place, column in enumerate(chosen)
-                if column.majority is not None
-                and column.values[name] not in (NOT_ASKED, column.majority)
+                if column.differs(name)
             ),
         )
 

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 
 from qrobot._machine import read_cpuinfo
 from qrobot.health.model import Finding
@@ -66,40 +67,40 @@ def board_model(machine: Machine) -> str | None:
 
 
 def _temperature(machine: Machine) -> Finding:
-    about = ("temperature", "Temperature")
+    fact = partial(Finding, "temperature", "Temperature", unit="°C", steady=False)
     found: dict[str, float] = {}
     for zone in machine.folders("sys/class/thermal/thermal_zone*"):
         thousandths = machine.number(f"{zone}/temp")
         if thousandths is not None and -40_000 < thousandths < 150_000:
             found[machine.text(f"{zone}/type") or zone] = thousandths / 1000
     if not found:
-        return Finding(*about, "unknown", None, "no sensor tells", "°C", steady=False)
+        return fact("unknown", None, "no sensor tells")
     named = [found[name] for name in PROCESSOR_ZONES if name in found]
     degrees = round(named[0] if named else max(found.values()), 1)
     if degrees >= HOT:
         text = f"a Raspberry Pi slows down from {HOT:.0f} °C; add a heat sink or a fan"
-        return Finding(*about, "warning", degrees, text, "°C", steady=False)
-    return Finding(*about, "good", degrees, f"below {HOT:.0f} °C", "°C", steady=False)
+        return fact("warning", degrees, text)
+    return fact("good", degrees, f"below {HOT:.0f} °C")
 
 
 def _throttled(machine: Machine, model: str | None) -> Finding:
-    about = ("throttled", "Throttling")
+    fact = partial(Finding, "throttled", "Throttling", steady=False)
     bits = _throttled_bits(machine)
     if bits is None:
         text = "no Raspberry Pi firmware tells"
         if "Raspberry Pi" in (model or ""):
             text = "vcgencmd does not tell; install it, and add the user to the group video"
-        return Finding(*about, "unknown", None, text, steady=False)
+        return fact("unknown", None, text)
     now = [name for bit, name in THROTTLED.items() if bits >> bit & 1]
     before = [name for bit, name in THROTTLED.items() if bits >> (bit + 16) & 1]
     if not now and not before:
-        return Finding(*about, "good", bits, "not since the start", "hex", steady=False)
+        return fact("good", bits, "not since the start", "hex")
     parts = [f"{' and '.join(now)} now"] if now else []
     parts += [f"{' and '.join(before)} since the start"] if before else []
     advice = "add a heat sink or a fan"
     if "under-voltage" in now + before:
         advice = "use the board's own power supply and a short, thick cable"
-    return Finding(*about, "warning", bits, f"{', '.join(parts)}; {advice}", "hex", steady=False)
+    return fact("warning", bits, f"{', '.join(parts)}; {advice}", "hex")
 
 
 def _throttled_bits(machine: Machine) -> int | None:
@@ -135,26 +136,25 @@ def processor(machine: Machine) -> Iterator[Finding]:
 
 def _architecture(machine: Machine) -> Finding:
     name = machine.architecture
-    about = ("architecture", "Architecture")
+    fact = partial(Finding, "architecture", "Architecture")
     if name in WHEELS:
-        return Finding(*about, "good", name, "every stack has compiled packages for it")
+        return fact("good", name, "every stack has compiled packages for it")
     if machine.bits == 32 or name.startswith("armv"):
-        text = "there are no 32-bit packages; install a 64-bit system"
-        return Finding(*about, "fault", name or None, text)
+        return fact("fault", name or None, "there are no 32-bit packages; install a 64-bit system")
     text = f"compiled packages are known for {' and '.join(WHEELS)} only"
-    return Finding(*about, "warning", name or None, text)
+    return fact("warning", name or None, text)
 
 
 def _bits(machine: Machine) -> Finding:
-    about = ("userland-bits", "Programs")
+    fact = partial(Finding, "userland-bits", "Programs", unit="bits")
     if machine.bits == 64:
-        return Finding(*about, "good", 64, "64-bit programs", "bits")
+        return fact("good", 64, "64-bit programs")
     kernel = "64-bit kernel" if machine.architecture in WHEELS else "kernel"
     text = (
         f"{machine.bits}-bit programs on a {kernel}: no stack has packages for them; "
         "write the 64-bit image of Raspberry Pi OS to the card"
     )
-    return Finding(*about, "fault", machine.bits, text, "bits")
+    return fact("fault", machine.bits, text)
 
 
 def _foreign(machine: Machine, about: dict[str, str]) -> bool:
@@ -180,10 +180,10 @@ def _processor_name(machine: Machine, about: dict[str, str]) -> Finding:
 
 
 def _features(machine: Machine, about: dict[str, str]) -> Finding:
-    words = ("cpu-features", "Instructions")
+    fact = partial(Finding, "cpu-features", "Instructions")
     if machine.architecture == "aarch64" and machine.bits == 64:
         if not machine.hwcap:
-            return Finding(*words, "unknown", None, "the C library does not tell (getauxval)")
+            return fact("unknown", None, "the C library does not tell (getauxval)")
         found = tuple(name for name, bit in ARM.items() if machine.hwcap >> bit & 1)
         text = "with LSE atomics"
         if "lse" not in found:
@@ -191,16 +191,16 @@ def _features(machine: Machine, about: dict[str, str]) -> Finding:
                 "no LSE atomics, as on any Raspberry Pi 3 and 4: a package built for newer "
                 "processors dies with SIGILL"
             )
-        return Finding(*words, "good", found, text)
+        return fact("good", found, text)
     if machine.architecture == "x86_64":
         flags = set(about.get("flags", "").split())
         if not flags:
-            return Finding(*words, "unknown", None, "/proc/cpuinfo lists none")
+            return fact("unknown", None, "/proc/cpuinfo lists none")
         found = tuple(name for name in X86 if name in flags)
         if "avx" in flags:
-            return Finding(*words, "good", found, "with AVX")
-        return Finding(*words, "warning", found, "no AVX: tensorflow's package needs it")
-    return Finding(*words, "unknown", None, "not known for this architecture")
+            return fact("good", found, "with AVX")
+        return fact("warning", found, "no AVX: tensorflow's package needs it")
+    return fact("unknown", None, "not known for this architecture")
 
 
 def _page(machine: Machine) -> Finding:
@@ -215,14 +215,14 @@ def _page(machine: Machine) -> Finding:
 
 
 def _emulation(machine: Machine, about: dict[str, str]) -> Finding:
-    words = ("emulation", "Emulation")
+    fact = partial(Finding, "emulation", "Emulation")
     kernel = machine.text("proc/sys/kernel/arch")  # Linux 6.1: not rewritten by an emulator
     # qemu-user shows its guest a /proc/self of its own making, but not this view of it.
     command = machine.text("proc/thread-self/cmdline") or ""
     other = kernel is not None and kernel not in ("", machine.architecture)
     if other or "qemu-" in command[:200] or _foreign(machine, about):
         text = "a program plays the processor (qemu-user): times are not those of a machine"
-        return Finding(*words, "warning", "qemu-user", text)
+        return fact("warning", "qemu-user", text)
     maker = " ".join(
         machine.text(path) or ""
         for path in (
@@ -232,7 +232,7 @@ def _emulation(machine: Machine, about: dict[str, str]) -> Finding:
     ).lower()  # fmt: skip
     virtual = ("qemu", "kvm", "dummy-virt", "vmware", "virtualbox", "xen", "virtual machine")
     if any(name in maker for name in virtual) or "hypervisor" in about.get("flags", "").split():
-        return Finding(*words, "good", "virtual machine", "times depend on what it shares")
+        return fact("good", "virtual machine", "times depend on what it shares")
     if not about and not maker.strip():
-        return Finding(*words, "unknown", None, "/proc and /sys tell nothing")
-    return Finding(*words, "good", "none", "no sign of an emulator or a virtual machine")
+        return fact("unknown", None, "/proc and /sys tell nothing")
+    return fact("good", "none", "no sign of an emulator or a virtual machine")

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 
 import psutil
 
@@ -23,6 +24,11 @@ SWAPPED = 0.5
 
 LOW, FULL = 1000, 50
 """MiB of free disk: below the first a warning, below the second a fault."""
+
+MEMORY = partial(Finding, "memory", "Memory", unit="MiB")
+AVAILABLE = partial(Finding, "memory-available", "Memory available", unit="MiB", steady=False)
+SWAP = partial(Finding, "swap-used", "Swap used", unit="MiB", steady=False)
+DISK = partial(Finding, "disk-free", "Disk free", unit="MiB", steady=False)
 
 
 def memory(machine: Machine) -> Iterator[Finding]:
@@ -49,58 +55,49 @@ def _sizes(text: str) -> dict[str, int]:
 
 
 def _total(total: int | None, limited: str) -> Finding:
-    about = ("memory", "Memory")
     if total is None:
-        return Finding(*about, "unknown", None, "/proc/meminfo does not tell", "MiB")
+        return MEMORY("unknown", None, "/proc/meminfo does not tell")
     if total < SMALL:
         text = f"little{limited}: plan with the classical backends, or use a board with 4 GB"
-        return Finding(*about, "warning", total, text, "MiB")
-    return Finding(*about, "good", total, f"in all{limited}", "MiB")
+        return MEMORY("warning", total, text)
+    return MEMORY("good", total, f"in all{limited}")
 
 
 def _available(available: int | None) -> Finding:
-    about = ("memory-available", "Memory available")
     if available is None:
-        return Finding(*about, "unknown", None, "/proc/meminfo does not tell", "MiB", steady=False)
+        return AVAILABLE("unknown", None, "/proc/meminfo does not tell")
     if available < TIGHT:
-        text = "little: a stack may be killed; end other programs"
-        return Finding(*about, "warning", available, text, "MiB", steady=False)
-    return Finding(*about, "good", available, "for programs", "MiB", steady=False)
+        return AVAILABLE("warning", available, "little: a stack may be killed; end other programs")
+    return AVAILABLE("good", available, "for programs")
 
 
 def _swap(total: int | None, free: int | None, memory_mb: int | None) -> Finding:
-    about = ("swap-used", "Swap used")
     if total is None or free is None:
-        return Finding(*about, "unknown", None, "/proc/meminfo does not tell", "MiB", steady=False)
+        return SWAP("unknown", None, "/proc/meminfo does not tell")
     used = max(0, total - free)
     if used > SWAPPED * total:
-        text = f"of {total} MiB: memory is short; end other programs"
-        return Finding(*about, "warning", used, text, "MiB", steady=False)
+        return SWAP("warning", used, f"of {total} MiB: memory is short; end other programs")
     if total:
-        return Finding(*about, "good", used, f"of {total} MiB", "MiB", steady=False)
+        return SWAP("good", used, f"of {total} MiB")
     if memory_mb is not None and memory_mb < SMALL:
         text = "there is none and memory is short: add 1 GB of swap (zram or a file)"
-        return Finding(*about, "warning", 0, text, "MiB", steady=False)
-    return Finding(*about, "good", 0, "there is none", "MiB", steady=False)
+        return SWAP("warning", 0, text)
+    return SWAP("good", 0, "there is none")
 
 
 def _disk(machine: Machine) -> Finding:
-    about = ("disk-free", "Disk free")
     free, fixed = None, False
     with suppress(OSError):
         free = psutil.disk_usage(str(machine.folder)).free // 2**20
         fixed = bool(os.statvfs(machine.folder).f_flag & os.ST_RDONLY)
     if free is None:
-        text = f"{machine.folder} cannot be asked"
-        return Finding(*about, "unknown", None, text, "MiB", steady=False)
+        return DISK("unknown", None, f"{machine.folder} cannot be asked")
     where = f"below {machine.folder}"
     if fixed:  # as in a container: nobody means to write here, however little room there is
-        text = f"{where}: read-only, so reports and jobs need another folder"
-        return Finding(*about, "good", free, text, "MiB", steady=False)
+        return DISK("good", free, f"{where}: read-only, so reports and jobs need another folder")
     if free < FULL:
         text = f"{where}: full, so plans and jobs cannot be kept; free some space"
-        return Finding(*about, "fault", free, text, "MiB", steady=False)
+        return DISK("fault", free, text)
     if free < LOW:
-        text = f"{where}: little; free some space"
-        return Finding(*about, "warning", free, text, "MiB", steady=False)
-    return Finding(*about, "good", free, where, "MiB", steady=False)
+        return DISK("warning", free, f"{where}: little; free some space")
+    return DISK("good", free, where)

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from datetime import date
+from functools import partial
 
 from qrobot.health.model import Finding
 from qrobot.health.system.machine import Machine
@@ -82,16 +83,16 @@ def _python(machine: Machine) -> Finding:
 
 
 def _libc(machine: Machine) -> Finding:
-    about = ("libc", "C library")
+    fact = partial(Finding, "libc", "C library")
     wanted = f"compiled packages need glibc {GLIBC[0]}.{GLIBC[1]} or newer (manylinux_2_28)"
     found = re.match(r"glibc (\d+)\.(\d+)", machine.libc)
     if found:
         old = (int(found[1]), int(found[2])) < GLIBC
         text = f"too old: {wanted}; use a newer system" if old else wanted
-        return Finding(*about, "fault" if old else "good", machine.libc, text)
+        return fact("fault" if old else "good", machine.libc, text)
     if machine.folders("lib/ld-musl-*"):
-        return Finding(*about, "fault", "musl", f"{wanted}; use Debian instead of Alpine")
-    return Finding(*about, "unknown", machine.libc or None, wanted)
+        return fact("fault", "musl", f"{wanted}; use Debian instead of Alpine")
+    return fact("unknown", machine.libc or None, wanted)
 
 
 class _Timex(ctypes.Structure):
@@ -122,19 +123,19 @@ def synchronised() -> bool | None:
 
 def clock(machine: Machine) -> Iterator[Finding]:
     """Find out about the clock."""
-    about = ("clock-synchronised", "Clock synchronised")
+    fact = partial(Finding, "clock-synchronised", "Clock synchronised", steady=False)
     if machine.now.year < BEGAN:
         text = (
             f"it shows {machine.now:%Y-%m-%d}: services will refuse us; "
             "run sudo timedatectl set-ntp true, and wait for the network"
         )
-        yield Finding(*about, "warning", False, text, steady=False)
+        yield fact("warning", False, text)
         return
     right = synchronised()
     if right is None:
-        yield Finding(*about, "unknown", None, "the kernel does not tell", steady=False)
+        yield fact("unknown", None, "the kernel does not tell")
     elif right:
-        yield Finding(*about, "good", True, "a time service keeps it right", steady=False)
+        yield fact("good", True, "a time service keeps it right")
     else:
         text = "no time service keeps it right; run sudo timedatectl set-ntp true"
-        yield Finding(*about, "warning", False, text, steady=False)
+        yield fact("warning", False, text)
