@@ -88,14 +88,7 @@ def is_installed(module: str) -> bool:
 
 
 def load(module: str, what: str) -> Any:
-    """Return a module of an optional package.
-
-    Parameters
-    ----------
-    module
-        Its name.
-    what
-        What needs it, such as ``"backend pyvrp"``.
+    """Return a module of an optional package that something needs, such as ``"backend pyvrp"``.
 
     Raises
     ------

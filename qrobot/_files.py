@@ -142,13 +142,7 @@ def _decoded(data: bytes, source: str, fallback: str | None) -> str:
 
 
 def write_text_atomic(path: StrPath, text: str) -> None:
-    """Write a whole UTF-8 text file, or nothing.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be written; what stood there before is untouched.
-    """
+    """Write a whole UTF-8 text file, or nothing, as `write_bytes_atomic` does."""
     write_bytes_atomic(path, text.encode("utf-8", errors="backslashreplace"))
 
 
@@ -238,14 +232,7 @@ def check_outputs(outputs: Sequence[StrPath], inputs: Sequence[StrPath] = ()) ->
 
 
 def _check_writable(path: StrPath) -> None:
-    """Refuse a path that cannot be written, before any work is done for it.
-
-    Raises
-    ------
-    InputError
-        When the folder is missing, it or the file may not be written, or the path is a
-        folder.
-    """
+    """Refuse a path that cannot be written, before any work is done for it."""
     if os.fspath(path) == "-":
         raise InputError(
             "names no file",

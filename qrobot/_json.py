@@ -13,15 +13,7 @@ __all__ = ["json_text"]
 
 
 def json_text(data: Any, *, indent: int | None = None, ensure_ascii: bool = True) -> str:
-    """Return plain data as JSON text; a number that JSON cannot say becomes ``null``.
-
-    Parameters
-    ----------
-    data
-        Dictionaries, lists, texts and numbers.
-    indent, ensure_ascii
-        As of `json.dumps`.
-    """
+    """Return plain data as JSON text; a number that JSON cannot say becomes ``null``."""
     try:
         return json.dumps(data, indent=indent, ensure_ascii=ensure_ascii, allow_nan=False)
     except ValueError:

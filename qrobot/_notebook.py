@@ -19,17 +19,7 @@ LONGEST = 400
 def html_table(
     title: str, heads: Sequence[str], rows: Sequence[Sequence[object]], picture: str = ""
 ) -> str:
-    """Return a table with a line above it.
-
-    Parameters
-    ----------
-    title
-        The line above, as plain text.
-    heads, rows
-        The cells, as plain text.
-    picture
-        What follows, as SVG of ours.
-    """
+    """Return a table of plain text, with its title above, and a picture (SVG of ours) below it."""
     return pages.render(
         Path(pages.__file__).with_name("notebook.html"),
         title=_text(title),

@@ -50,10 +50,6 @@ def columns(
 
     Parameters
     ----------
-    heads
-        Column titles.
-    rows
-        Cells, as many as titles.
     numbers
         Columns that are set to the right.
     ruled

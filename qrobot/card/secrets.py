@@ -14,8 +14,6 @@ import subprocess
 
 from qrobot.errors import BackendError, InputError
 
-__all__ = ["checked_passphrase", "password_hash", "public_keys", "wifi_key"]
-
 SHORTEST = 8
 """Characters that a password must have at least."""
 

@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from qrobot.health.check import PROFILES, Check, difference
     from qrobot.health.checks import all_checks, choose
     from qrobot.health.model import SCHEMA, CheckResult, Finding, Report
+    from qrobot.health.process import Limits
     from qrobot.health.record import make_report, read_report
-    from qrobot.health.runner import Limits, run, run_all
+    from qrobot.health.runner import run, run_all
     from qrobot.health.system import system_findings
 
 __all__ = [
@@ -40,7 +41,7 @@ _LAZY = {
     "Check": "check",
     "CheckResult": "model",
     "Finding": "model",
-    "Limits": "runner",
+    "Limits": "process",
     "Report": "model",
     "all_checks": "checks",
     "choose": "checks",

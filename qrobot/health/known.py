@@ -13,28 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "BETA",
-    "COUPLINGS",
-    "FIELDS",
-    "GAMMA",
-    "QUBITS",
-    "all_spins",
-    "circuits_answer",
-    "circuits_expected",
-    "energies",
-    "energy_of",
-    "ground_answer",
-    "length",
-    "lowest",
-    "model",
-    "qaoa_energy",
-    "qaoa_probabilities",
-    "shortest",
-    "small_couplings",
-    "small_fields",
-]
-
 FIELDS: tuple[int, ...] = (1, -2, 3, -1, 2, -3, 1, -1)
 """Linear terms of the model that annealers minimize."""
 

@@ -19,8 +19,6 @@ from qrobot._text import columns
 from qrobot.health.check import Check, difference
 from qrobot.pages import render
 
-__all__ = ["VERDICT", "Table", "draw", "table", "verdict"]
-
 VERDICT = "application/vnd.qrobot.verdict+json"
 """The kind of output that holds a verdict's numbers for a program, as text (nan has no JSON)."""
 
@@ -126,8 +124,6 @@ def verdict(check: Check, labels: Sequence[str] = ()) -> None:
 
     Parameters
     ----------
-    check
-        What to run.
     labels
         Names of the first numbers of the answer.
 

@@ -23,8 +23,6 @@ from qrobot.errors import InputError
 from qrobot.health.model import SCHEMA, CheckResult, Finding, Report
 from qrobot.health.system import Machine, board_model
 
-__all__ = ["Clockwork", "json_schema", "make_report", "read_report", "schema_text"]
-
 LONGEST = 255
 """Letters of a host's name; the Domain Name System allows no more."""
 
@@ -54,19 +52,7 @@ def make_report(
     profile: str = "all",
     required: bool = False,
 ) -> Report:
-    """Return what was found, with who found it, when and where.
-
-    Parameters
-    ----------
-    results, findings
-        Of the checks and of the machine.
-    clock
-        Started when the run began.
-    profile
-        What was asked for.
-    required
-        Whether an absent stack is a fault.
-    """
+    """Return what was found, with who found it, when and where; `clock` began with the run."""
     clock = clock or Clockwork()
     machine = Machine()
     return Report(

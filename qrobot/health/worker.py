@@ -20,8 +20,6 @@ from qrobot._json import json_text
 from qrobot._machine import peak_memory
 from qrobot._processes import end_with_parent
 
-__all__ = ["main", "unfit"]
-
 
 def main() -> None:
     """Import the stack, compute, and tell both."""

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-__all__ = ["CircuitJobs", "instant", "samples_of"]
-
 Start = Callable[[str], Any]
 """Starts the circuit under a label (a tag at the service); returns the SDK's job object."""
 

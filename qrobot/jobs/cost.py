@@ -15,18 +15,6 @@ from typing import Any
 from qrobot.errors import BackendError, InputError
 from qrobot.jobs.job import Estimate
 
-__all__ = [
-    "FREE",
-    "PRICES",
-    "by_shots",
-    "by_time",
-    "check_budget",
-    "device_price",
-    "price",
-    "price_source",
-    "together",
-]
-
 FREE = Estimate(0.0, None, "local: it runs on this machine")
 """Of what nobody bills."""
 
@@ -96,13 +84,7 @@ def by_shots(
 
 
 def together(parts: Mapping[str, Estimate]) -> Estimate:
-    """Return the estimate of several kinds of jobs: unknown when one of them is.
-
-    Parameters
-    ----------
-    parts
-        By what they are for, such as ``training`` and ``reads``.
-    """
+    """Return the estimate of several kinds of jobs, by name: unknown when one of them is."""
     seconds = [one.seconds for one in parts.values() if one.seconds is not None]
     known = [one.usd for one in parts.values() if one.usd is not None]
     return Estimate(
@@ -113,13 +95,7 @@ def together(parts: Mapping[str, Estimate]) -> Estimate:
 
 
 def device_price(properties: Any) -> tuple[float, str] | None:
-    """Return price and unit that a Braket device tells of itself, such as ``(0.0009, "shot")``.
-
-    Parameters
-    ----------
-    properties
-        ``AwsDevice.properties``.
-    """
+    """Return price and unit in ``AwsDevice.properties``, such as ``(0.0009, "shot")``."""
     cost = getattr(getattr(properties, "service", None), "deviceCost", None)
     usd, unit = getattr(cost, "price", None), getattr(cost, "unit", None)
     return (float(usd), str(unit)) if isinstance(usd, int | float) and unit else None

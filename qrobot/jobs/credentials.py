@@ -16,8 +16,6 @@ from typing import Any
 
 from qrobot.errors import CredentialsError
 
-__all__ = ["SERVICES", "Presence", "presence", "require", "secrets_in_files"]
-
 _SECRET_KEYS = ("token", "secret", "password", "key", "headers", "proxy")
 
 
@@ -140,13 +138,7 @@ def secrets_in_files() -> Iterator[str]:
 
 
 def presence(service: str) -> Presence:
-    """Return whether a service's credentials are there, without any of them.
-
-    Parameters
-    ----------
-    service
-        A key of `SERVICES`.
-    """
+    """Return whether credentials of one of `SERVICES` are there, without any of them."""
     _, variables, advice = SERVICES[service]
     for name in variables:
         if os.environ.get(name):

@@ -17,8 +17,6 @@ from qrobot.jobs.store import JobStore
 if TYPE_CHECKING:
     import dimod
 
-__all__ = ["fetch_job", "refresh", "run_job"]
-
 POLL_FIRST, POLL_LONGEST = 0.05, 5.0
 """Seconds between questions about a job: they grow by half each time."""
 

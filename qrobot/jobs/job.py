@@ -16,21 +16,6 @@ from qrobot.jobs.retry import Backoff
 if TYPE_CHECKING:
     import dimod
 
-__all__ = [
-    "ENDED",
-    "LIMITS",
-    "PARAMETERS",
-    "STATES",
-    "Answer",
-    "Estimate",
-    "JobOptions",
-    "Keep",
-    "RemoteJob",
-    "RemoteService",
-    "State",
-    "pack_model",
-]
-
 State = Literal["submitting", "queued", "running", "done", "failed", "cancelled"]
 
 STATES: tuple[State, ...] = ("submitting", "queued", "running", "done", "failed", "cancelled")

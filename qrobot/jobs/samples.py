@@ -17,17 +17,6 @@ from qrobot.jobs.redaction import redact, redact_data
 if TYPE_CHECKING:
     import dimod
 
-__all__ = [
-    "PARTS",
-    "breakdown",
-    "empty",
-    "jobs_table",
-    "samples_report",
-    "samples_text",
-    "tell",
-    "timing_fields",
-]
-
 
 def tell(samples: dimod.SampleSet, job: RemoteJob) -> dimod.SampleSet:
     """Put what is known about a job into the info of its samples; return them."""

@@ -25,8 +25,6 @@ from qrobot.jobs.redaction import redact, redact_data
 if TYPE_CHECKING:
     import dimod
 
-__all__ = ["JobStore", "default_path"]
-
 VERSION = 1
 """Of the tables; kept in SQLite's user_version."""
 

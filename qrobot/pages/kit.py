@@ -21,8 +21,6 @@ from qrobot._text import shortened
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["Bar", "Script", "bars", "render", "script"]
-
 HERE = Path(__file__).parent
 
 SIGNS = {

@@ -36,18 +36,6 @@ from qrobot.pages import Bar, render
 if TYPE_CHECKING:
     from prometheus_client import CollectorRegistry, Gauge
 
-__all__ = [
-    "GAUGES",
-    "as_json",
-    "document",
-    "fleet_html",
-    "html",
-    "junit",
-    "metrics",
-    "save",
-    "write_prometheus",
-]
-
 HERE = Path(__file__).parent
 
 FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -113,15 +101,7 @@ def save(
 
 
 def html(report: Report, comparison: Comparison | None = None) -> str:
-    """Return the page of one report: what needs attention first, then charts, then all of it.
-
-    Parameters
-    ----------
-    report
-        What was found.
-    comparison
-        With an earlier report, to be shown beside it.
-    """
+    """Return the page of one report: what needs attention first, then charts, then all of it."""
     asked = "the checks that were named" if report.profile == "named" else report.profile
     times, memory = _charts(report)
     return render(

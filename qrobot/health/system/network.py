@@ -25,8 +25,6 @@ from qrobot._extras import is_installed
 from qrobot._processes import child_environment, python_command
 from qrobot.health.model import Finding
 
-__all__ = ["SERVICES", "address", "network_findings", "reach"]
-
 
 def _braket() -> str:
     session: Any = importlib.import_module("botocore.session").Session()
@@ -70,13 +68,7 @@ ANSWER, TELL = 5.0, 60.0
 
 
 def network_findings(answer: float = ANSWER) -> list[Finding]:
-    """Return one finding for every service; none takes longer than its two limits.
-
-    Parameters
-    ----------
-    answer
-        Seconds that a service has to answer.
-    """
+    """Return one finding for every service; none takes longer than its two limits."""
     found: queue.SimpleQueue[Finding] = queue.SimpleQueue()
     for service in SERVICES:
         # Daemons: a name server that does not answer holds a thread for minutes.
