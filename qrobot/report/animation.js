@@ -99,8 +99,8 @@
   const step = (stamp) => {
     if (last === null) return;
     // A frame may have begun before the button was pressed; a page that was hidden goes on where it was.
-    const passed = Math.min(Math.max(stamp - last, 0), 250) / 1000;
-    now = Math.min(plan.end, now + passed * Number(speed.value));
+    const elapsed = Math.min(Math.max(stamp - last, 0), 250) / 1000;
+    now = Math.min(plan.end, now + elapsed * Number(speed.value));
     last = stamp;
     show();
     if (now >= plan.end) pause(); else requestAnimationFrame(step);

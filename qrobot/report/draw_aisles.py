@@ -31,7 +31,7 @@ def draw_aisles(scene: Scene) -> Any:
     house = scene.instance.warehouse
     assert isinstance(house, AisleWarehouse)
     racks = Racks(house)
-    width, depth = (house.aisles - 1) * house.aisle_pitch, house.blocks * house.block_length
+    width, depth = (house.aisles - 1) * house.aisle_pitch, racks.depth
     y = house.depot[1]
     low = (-house.aisle_pitch / 2, min(-racks.cross, y))
     high = (width + house.aisle_pitch / 2, max(depth + racks.cross, y))
@@ -59,8 +59,7 @@ def _draw_all(drawn: Map, scene: Scene, racks: Racks) -> None:
     _picks(drawn, scene, racks, lines)
     for journey, line in zip(scene.journeys, lines, strict=True):
         drawn.tag(journey, line)
-    depth = house.blocks * house.block_length
-    y = house.depot[1]
+    depth, y = racks.depth, house.depot[1]
     below = y <= depth / 2
     # The label stands outside the floor, also when the depot stands inside.
     inside = y + racks.cross if below else depth + racks.cross - y
@@ -224,7 +223,7 @@ def _number(drawn: Map, at: XY, box: XY, stops: list[int], scene: Scene, journey
 def _names(drawn: Map, racks: Racks, *, above: bool) -> None:
     """Write the numbers of the aisles on the side away from the depot."""
     house = racks.house
-    y = house.blocks * house.block_length + racks.cross if above else -racks.cross
+    y = racks.depth + racks.cross if above else -racks.cross
     offset = 5 if above else -5
     every = 1 + int(house.aisles * 17 / max(drawn.points((house.aisles) * house.aisle_pitch), 1))
     for aisle in range(0, house.aisles, every):

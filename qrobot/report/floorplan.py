@@ -206,7 +206,7 @@ def _rack_boxes(racks: Racks, frame: _Frame) -> list[Box]:
 def _names(racks: Racks, frame: _Frame) -> Iterable[tuple[XY, str]]:
     """Yield the numbers of the aisles, on the side away from the depot."""
     house = racks.house
-    depth = house.blocks * house.block_length
+    depth = racks.depth
     above = house.depot[1] <= depth / 2
     every = 1 + int(18 / (house.aisle_pitch * frame.scale))
     for aisle in range(0, house.aisles, every):

@@ -27,26 +27,28 @@ class Racks:
         Half widths of aisles and of cross aisles.
     slot
         Length of a slot along its aisle.
+    depth
+        Distance of the last cross aisle from the front one.
     """
 
     def __init__(self, house: AisleWarehouse) -> None:
         self.house = house
         pitch, slot = house.aisle_pitch, house.slot_pitch
-        self.aisle = max(0.2 * pitch, pitch / 2 - 2 * max(slot, house.end_gap))
-        free = house.end_gap - slot / 2
-        self.cross = max(free, min(0.5 * house.end_gap, 0.2 * pitch))
-        self.slot = min(slot, 2 * house.end_gap)
+        gap = min(min(pair) for pair in house.gaps)
+        self.aisle = max(0.2 * pitch, pitch / 2 - 2 * max(slot, gap))
+        self.cross = max(gap - slot / 2, min(0.5 * gap, 0.2 * pitch))
+        self.slot = min(slot, 2 * gap) or slot
+        self.depth = house.cross_aisle_heights[-1]
 
     @property
     def floor(self) -> Box:
         """The outline of the whole."""
         house = self.house
-        depth = house.blocks * house.block_length
         return (
             -house.aisle_pitch / 2,
             -self.cross,
             house.aisles * house.aisle_pitch,
-            depth + 2 * self.cross,
+            self.depth + 2 * self.cross,
         )
 
     def slot_box(self, slot: Slot) -> Box:
@@ -75,11 +77,11 @@ class Racks:
         """Yield the parts of aisles and cross aisles that are closed."""
         house = self.house
         for aisle, block in sorted(house.closed_aisles):
-            x, y = aisle * house.aisle_pitch, block * house.block_length
-            length = house.block_length - 2 * self.cross
+            x, y = aisle * house.aisle_pitch, house.cross_aisle_heights[block]
+            length = house.block_lengths[block] - 2 * self.cross
             yield x - self.aisle, y + self.cross, 2 * self.aisle, length
         for cross, aisle in sorted(house.closed_crossings):
-            x, y = aisle * house.aisle_pitch, cross * house.block_length
+            x, y = aisle * house.aisle_pitch, house.cross_aisle_heights[cross]
             length = house.aisle_pitch - 2 * self.aisle
             yield x + self.aisle, y - self.cross, length, 2 * self.cross
 

@@ -14,7 +14,7 @@ from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
 from qrobot.plan import OBJECTIVES, Plan, Trip, plan_of
-from qrobot.problem import Instance, Item
+from qrobot.problem import AisleWarehouse, Instance, Item, Place, Warehouse
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
@@ -138,7 +138,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
                 turn=turn,
                 capacity=instance.robots[fleet[trip.robot]].capacity,
                 items=picked,
-                legs=tuple(tuple(instance.warehouse.way(a, b)) for a, b in pairwise(places)),
+                legs=tuple(_leg(instance.warehouse, a, b) for a, b in pairwise(places)),
             )
         )
     unit = _unit(instance)
@@ -149,6 +149,22 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
         subtitle=_subtitle(plan, instance),
         unit=unit,
     )
+
+
+def _leg(house: Warehouse, start: Place | None, end: Place | None) -> tuple[XY, ...]:
+    """Return the corner points of a leg as it is drawn.
+
+    The depot's ways to other aisles have a length and no shape; they are drawn along the front of
+    the depot and then straight on.
+    """
+    points = house.way(start, end)
+    if isinstance(house, AisleWarehouse) and len(points) > 1:
+        x, y = house.depot
+        if start is None and points[1][0] != x:
+            points.insert(1, (points[1][0], y))
+        if end is None and points[-2][0] != x:
+            points.insert(-1, (points[-2][0], y))
+    return tuple(a for a, b in pairwise([*points, None]) if a is not None and a != b)
 
 
 _ADVICE = "give the instance that the plan was made for"
