@@ -78,10 +78,11 @@ def rows(largest: int, shots: int) -> Iterator[GateRow]:
                 yield subspace_row(paper_row(n, robots, capacity), mixer, layers=2, shots=shots)
     for n in range(5, largest + 1):
         for layers in (1, 4, 10):
-            yield grover_row(paper_row(n, whole=True), layers=layers, shots=shots)
+            yield grover_row(paper_row(n, whole_metres=True), layers=layers, shots=shots)
     for n, robots, capacity in ((9, 2, 8), (12, 2, 10), (12, 3, 7)):
         if n <= largest:
-            yield grover_row(paper_row(n, robots, capacity, whole=True), layers=10, shots=shots)
+            row = paper_row(n, robots, capacity, whole_metres=True)
+            yield grover_row(row, layers=10, shots=shots)
 
 
 def warmed() -> float:

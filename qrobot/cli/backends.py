@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from qrobot.cli.streams import say, say_json
+from qrobot.cli.streams import show
 
 __all__ = ["command"]
 
@@ -22,7 +22,4 @@ def command(as_json: bool) -> None:
     from qrobot.report.tables import backend_rows, backend_table
 
     rows = backend_rows()
-    if as_json:
-        say_json(rows)
-    else:
-        say(backend_table(rows))
+    show(backend_table(rows), rows, as_json)

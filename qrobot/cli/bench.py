@@ -8,6 +8,7 @@ import click
 
 from qrobot.cli.options import FILE, ReadingCommand, Robots, objective, rounding, written
 from qrobot.cli.streams import say
+from qrobot.errors import InputError
 
 __all__ = ["command"]
 
@@ -112,7 +113,6 @@ def command(
 def _checked(backends: str, seeds: int, **limits: float | None) -> list[str]:
     """Return the names of the backends, when they and all limits can be used."""
     from qrobot.backends import get
-    from qrobot.errors import InputError
 
     if seeds < 1:
         raise InputError(f"{seeds} seeds are too few", field="--seeds", advice="give 1 or more")

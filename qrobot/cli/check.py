@@ -7,7 +7,7 @@ import sys
 import click
 
 from qrobot.cli.options import FILE, Question, ReadingCommand, as_planned
-from qrobot.cli.streams import say, say_json
+from qrobot.cli.streams import show
 
 __all__ = ["command"]
 
@@ -33,8 +33,5 @@ def command(plan: str, question: Question, as_json: bool) -> None:
     from qrobot.plan import check, read_plan
 
     report = check(read_plan(plan), question.read())
-    if as_json:
-        say_json(report.to_dict())
-    else:
-        say(str(report))
+    show(str(report), report.to_dict(), as_json)
     sys.exit(0 if report.ok else 1)

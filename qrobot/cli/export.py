@@ -72,7 +72,7 @@ def command(
     if not outputs:
         raise click.UsageError("name the file to write: OUTPUT, --circuit FILE, or both")
     if output is not None and output.lower().endswith(".lp"):
-        # Before the models, which import dimod: what is absent is told at once.
+        # Before the models, which import dimod: a missing package is reported at once.
         from qrobot._extras import load
 
         load("docplex", "an LP file")

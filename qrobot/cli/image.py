@@ -9,6 +9,7 @@ import click
 
 from qrobot.cli.options import FILE
 from qrobot.cli.streams import say, say_json
+from qrobot.errors import InputError
 
 __all__ = ["command"]
 
@@ -115,7 +116,7 @@ def seed_(
         ("--wifi-ssid", wifi_ssid, "--wifi-country", wifi_country),
     ):
         _together(option, value, other, needed)
-    # What is wrong is told before anything is asked: the key of the Wi-Fi comes later.
+    # Errors are reported before anything is asked: the key of the Wi-Fi comes later.
     wifi = None
     if wifi_ssid is not None and wifi_country is not None:
         security: Security = "wpa3" if wifi_wpa3 else "mixed" if wifi_plain else "wpa2"
@@ -167,8 +168,6 @@ def seed_(
 
 
 def _once(paths: list[str | None]) -> None:
-    from qrobot.errors import InputError
-
     if paths.count("-") > 1:
         raise InputError(
             "can be read only once", field="-", advice="give files for all options but one"
@@ -176,8 +175,6 @@ def _once(paths: list[str | None]) -> None:
 
 
 def _together(option: str, value: object, other: str, needed: object) -> None:
-    from qrobot.errors import InputError
-
     if value is not None and needed is None:
         raise InputError(f"means nothing without {other}", field=option, advice=f"give {other} too")
 
@@ -185,7 +182,6 @@ def _together(option: str, value: object, other: str, needed: object) -> None:
 def _keys(paths: tuple[str, ...]) -> list[str]:
     """Return the keys of the files, or of the first usual file that is there."""
     from qrobot.card import public_keys
-    from qrobot.errors import InputError
 
     if not paths:
         folder = Path.home() / ".ssh"
@@ -203,8 +199,6 @@ def _keys(paths: tuple[str, ...]) -> list[str]:
 
 def _secret(path: str | None, question: str, option: str, *, confirm: bool = False) -> str:
     """Return the first line of a file, or the answer to a question, which is not shown."""
-    from qrobot.errors import InputError
-
     if path is not None:
         return _text(path).split("\n")[0].removesuffix("\r")
     if not sys.stdin.isatty():

@@ -8,7 +8,8 @@ import click
 
 from qrobot._json import json_text
 from qrobot.cli.options import written
-from qrobot.cli.streams import say, say_json
+from qrobot.cli.streams import say, say_json, show
+from qrobot.errors import InputError
 
 __all__ = ["command"]
 
@@ -48,10 +49,7 @@ def list_(state: str | None, backend: str | None, refresh: bool, as_json: bool) 
         jobs = [job for job in jobs if state in (None, job.state)]
     for trouble in troubles:
         say(f"not refreshed: {trouble}", err=True)
-    if as_json:
-        say_json([job.to_dict() for job in jobs])
-    else:
-        say(jobs_table(jobs))
+    show(jobs_table(jobs), [job.to_dict() for job in jobs], as_json)
 
 
 @command.command("fetch")
@@ -109,7 +107,6 @@ def cancel_(job: str) -> None:
 )
 def forget_(days: float) -> None:
     """Forget jobs that are over, and their answers; jobs that may still run are kept."""
-    from qrobot.errors import InputError
     from qrobot.jobs import JobStore
 
     if not 0 <= days < float("inf"):

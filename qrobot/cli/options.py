@@ -30,7 +30,6 @@ __all__ = [
     "asked_anew",
     "objective",
     "rounding",
-    "seconds",
     "settings_of",
     "written",
 ]
@@ -292,8 +291,3 @@ def settings_of(flags: dict[str, Any], settings: tuple[tuple[str, Any], ...]) ->
 
 def _shown(value: Any) -> str:
     return value if isinstance(value, str) else json_text(value)
-
-
-def seconds(value: float) -> str:
-    """Return seconds as people write them."""
-    return f"{value:.2f} s" if value < 10 else f"{value:.0f} s"

@@ -8,7 +8,7 @@ import sys
 import click
 
 from qrobot.cli.options import FILE, written
-from qrobot.cli.streams import say, say_json
+from qrobot.cli.streams import say, show
 
 __all__ = ["command"]
 
@@ -93,10 +93,7 @@ def command(
         )
     if docs and not report["interrupted"]:
         fill_page(docs, output)
-    if as_json:
-        say_json(report)
-    else:
-        say(summary(report, output))
+    show(summary(report, output), report, as_json)
     if report["interrupted"]:
         say(f"interrupted: {len(report['lines'])} lines are kept in {output}", err=True)
         sys.exit(130)

@@ -17,7 +17,8 @@ from qrobot.cli.options import (
     objective,
     settings_of,
 )
-from qrobot.cli.streams import say, say_json
+from qrobot.cli.streams import say, say_json, show
+from qrobot.errors import InfeasibleError, InputError, QRobotError
 
 if TYPE_CHECKING:
     from qrobot.planning import Result
@@ -114,10 +115,9 @@ def command(
     from qrobot.backends.registry import require
 
     if asked["fallback"] is None:
-        require(backend)  # before numpy and dimod: what is absent is told at once
+        require(backend)  # before numpy and dimod: a missing package is reported at once
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
-    from qrobot.errors import InfeasibleError
     from qrobot.planning import solve
 
     _check_files(output, picture, question.files)
@@ -171,8 +171,6 @@ def command(
 
 def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) -> Exception | None:
     """Write the plan and its pictures, all that can be; return the first error."""
-    from qrobot.errors import QRobotError
-
     notes: dict[str, None] = {}
 
     def picture_to(path: str) -> None:
@@ -206,8 +204,6 @@ def _check_files(output: Sequence[str], picture: Sequence[str], inputs: Sequence
 
 def _refuse(flag: str, options: dict[str, Any]) -> None:
     """Refuse options that would do nothing."""
-    from qrobot.errors import InputError
-
     for name, value in options.items():
         if value not in (None, False, ()):
             raise InputError(f"{flag} makes no plan yet", field=f"--{name}", advice="leave it out")
@@ -223,10 +219,8 @@ def _estimate(
     limits = {name: asked[name] for name in ("seed", "max_work")}
     cost = estimate(instance, backend, **limits, **options)
     check_budget(cost, asked["max_cost"])
-    if as_json:
-        say_json({"backend": backend, "submitted": False, "estimate": cost.to_dict()})
-    else:
-        say(f"{backend} would cost {cost}; nothing was submitted")
+    data = {"backend": backend, "submitted": False, "estimate": cost.to_dict()}
+    show(f"{backend} would cost {cost}; nothing was submitted", data, as_json)
 
 
 def _hand_over(
@@ -237,8 +231,5 @@ def _hand_over(
 
     wishes = {name: asked[name] for name in ("seed", "max_cost", "objective")}
     job = submit(instance, backend, **wishes, **options)
-    if as_json:
-        say_json(job)
-    else:
-        fetch = f"qrobot jobs fetch {job['id']} --plan plan.json"
-        say(f"job {job['id']} is {job['state']}; '{fetch}' makes a plan of it")
+    fetch = f"qrobot jobs fetch {job['id']} --plan plan.json"
+    show(f"job {job['id']} is {job['state']}; '{fetch}' makes a plan of it", job, as_json)

@@ -14,7 +14,7 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-__all__ = ["prepare", "say", "say_json"]
+__all__ = ["prepare", "say", "say_json", "show"]
 
 GONE = frozenset({errno.EPIPE, errno.ECONNRESET, errno.ESHUTDOWN})
 """Errors of a stream that nobody reads any more."""
@@ -69,8 +69,16 @@ def say_json(data: Any) -> None:
     say(text)
 
 
+def show(text: str, data: Any, as_json: bool) -> None:
+    """Print a text for people, or the same as JSON."""
+    if as_json:
+        say_json(data)
+    else:
+        say(text)
+
+
 class _Descriptor(io.FileIO):
-    """A descriptor whose reader may go away; its first other error is told, and only once.
+    """A descriptor whose reader may go away; its first other error is reported, and only once.
 
     What comes after an error leads nowhere: a text that is still buffered must not raise again
     when Python ends, which would change the exit code.
@@ -79,7 +87,7 @@ class _Descriptor(io.FileIO):
     def __init__(self, number: int, name: str) -> None:
         super().__init__(number, "w", closefd=False)
         self._title = f"standard {'output' if name == 'stdout' else 'error'}"
-        self._told = name == "stderr"  # who would read of it?
+        self._reported = name == "stderr"  # where errors are reported
         self._dead = False
 
     def write(self, data: Any, /) -> int:
@@ -89,10 +97,10 @@ class _Descriptor(io.FileIO):
                 return super().write(data)
             except OSError as error:
                 self._dead = True
-                if not (self._told or self._gone(error)):
+                if not (self._reported or self._gone(error)):
                     from qrobot._files import refusal
 
-                    self._told = True
+                    self._reported = True
                     raise refusal("write", self._title, error) from None
         return memoryview(data).nbytes
 

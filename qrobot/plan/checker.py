@@ -28,22 +28,9 @@ RELATIVE = 1e-6
 ABSOLUTE = 1e-9
 
 Kind = Literal[
-    "missing",
-    "repeated",
-    "unknown",
-    "orders",
-    "split",
-    "overload",
-    "load",
-    "robot",
-    "turns",
-    "empty",
-    "unreachable",
-    "distance",
-    "time",
-    "total",
-    "cost",
-]
+    "missing", "repeated", "unknown", "orders", "split", "overload", "load", "robot", "turns",
+    "empty", "unreachable", "distance", "time", "total", "cost",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +87,8 @@ class CheckReport:
     def __str__(self) -> str:
         if self.ok:
             text = f"right: {self.trips} trips, {self.stops} stops, distance {self.distance:.12g}"
-            return (
-                text
-                if self.objective == "distance"
-                else f"{text}, {self.objective} {self.cost:.12g}"
-            )
+            other = self.objective != "distance"
+            return f"{text}, {self.objective} {self.cost:.12g}" if other else text
         return "\n".join(f"{p.kind}: {p.text}" for p in self.problems)
 
     def to_dict(self) -> dict[str, Any]:
@@ -147,7 +131,7 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
     objective = OBJECTIVES[plan.objective]
     total = cost = 0.0
     for number, trip in enumerate(plan.trips, 1):
-        stops = [stop for stop in trip.stops if stop in items]  # the others are told above
+        stops = [stop for stop in trip.stops if stop in items]  # the others are reported above
         load = sum((items[stop].weight for stop in stops), Fraction(0))
         length = ruler.trip(items[stop].place for stop in stops)
         total += length
@@ -239,7 +223,7 @@ def _trip(
             "load", f"trip {number} states a load of {trip.load!r}, it is {float(load)!r}"
         )
     if math.isinf(length):
-        return  # there is no distance to compare with: told beside
+        return  # there is no distance to compare with: `_forbidden` reports it
     if not _agree(trip.distance, length):
         yield Problem(
             "distance", f"trip {number} states a distance of {trip.distance!r}, it is {length!r}"

@@ -130,7 +130,7 @@ class Crew:
         for reader in self._readers:
             reader.join(max(wait, 0.0))
         for process in self._processes:
-            process.kill()  # every better plan was told when it was found
+            process.kill()  # every better plan was written when it was found
         for process, reader in zip(self._processes, self._readers, strict=True):
             process.wait()
             reader.join()

@@ -61,7 +61,7 @@ def estimate(
     asked = {name: value for name, value in asked.items() if name not in life}
     if not sampler.runs_remotely(**sampling):
         return sampler.estimate(model.bqm, **asked)
-    # The service may have to be asked: its errors are told as those of every other call.
+    # The service may have to be asked: its errors are reported as those of every other call.
     title = getattr(sampler, "title", f"backend {sampler.name}")
     return with_retries(lambda: sampler.estimate(model.bqm, **asked), what=title)
 

@@ -117,21 +117,23 @@ class SamplerStrategy(Strategy):
 
 
 def build(instance: Instance, sampler: PickingSampler, chosen: dict[str, Any]) -> PickingModel:
-    """Return the model of an instance for a sampler.
-
-    Parameters
-    ----------
-    instance, sampler
-        The question, and who shall sample it.
-    chosen
-        ``encoding``, ``slack``, ``penalties``.
+    """Return the model of an instance, with the chosen options, unless it is too large to sample.
 
     Raises
     ------
     InputError
-        When the model is too large, or an option is of no use.
+        When the model is too large, or an option cannot be used.
     """
-    _check_size(instance, sampler)
+    # Every encoding has at least one variable for an item and a step of each robot.
+    least = instance.size * max(instance.size // max(len(instance.vehicle_capacities), 1), 1)
+    limit = min(sampler.capabilities.max_size or MAX_VARIABLES, MAX_VARIABLES)
+    if least > limit:
+        raise InputError(
+            f"{instance.size} items need a model of more than {least} binary variables, "
+            f"backend {sampler.name} takes {limit}",
+            field="backend",
+            advice="use backend auto, or plan fewer items at a time",
+        )
     return build_model(instance, **chosen)
 
 
@@ -197,19 +199,6 @@ def _random_reads(model: PickingModel, reads: int, rng: np.random.Generator) -> 
         feasible, costs = model.decode_all(samples)
         found.append(costs[feasible])
     return np.concatenate(found) if found else np.zeros(0)
-
-
-def _check_size(instance: Instance, sampler: PickingSampler) -> None:
-    # Every encoding has at least one variable for an item and a step of each robot.
-    least = instance.size * max(instance.size // max(len(instance.vehicle_capacities), 1), 1)
-    limit = min(sampler.capabilities.max_size or MAX_VARIABLES, MAX_VARIABLES)
-    if least > limit:
-        raise InputError(
-            f"{instance.size} items need a model of more than {least} binary variables, "
-            f"backend {sampler.name} takes {limit}",
-            field="backend",
-            advice="use backend auto, or plan fewer items at a time",
-        )
 
 
 def _report(
@@ -288,14 +277,10 @@ def repair_and_polish(
 
     Parameters
     ----------
-    instance
-        The question.
+    instance, stop, seed
+        As of `Planner.search`.
     start
         Routes of nodes; may leave out, repeat, split or overload.
-    stop
-        Deadline and interrupts.
-    seed
-        Of the random choices.
     rounds
         Rounds of polish; 0 repairs only.
     """

@@ -193,17 +193,7 @@ def _local(name: str) -> Strategy:
 
 @dataclass(frozen=True, slots=True)
 class Fallback(Generic[T]):
-    """An answer, who gave it, and what the reader must be told.
-
-    Parameters
-    ----------
-    value
-        What the call returned.
-    backend
-        Name of the backend that answered.
-    note
-        ``None`` when the asked one answered; otherwise a sentence for the result's notes.
-    """
+    """An answer, the name of the backend that gave it, and a note when another one was asked."""
 
     value: T
     backend: str
@@ -217,18 +207,7 @@ def run_with_fallback(
     *,
     primary_name: str,
 ) -> Fallback[T]:
-    """Call a backend; when it fails, call the fallback and say so.
-
-    Parameters
-    ----------
-    primary
-        The work with the backend that was asked for.
-    fallback_name
-        Backend to use instead; ``None``: a failure is a failure.
-    fallback
-        The work with the backend of that name.
-    primary_name
-        For the note.
+    """Call a backend; when it fails, call the fallback by its name and say so.
 
     Raises
     ------

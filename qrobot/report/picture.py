@@ -118,7 +118,7 @@ def check_picture_path(path: str | os.PathLike[str], *, animated: bool = False) 
 def style(texts: Iterable[str] = ()) -> Iterator[str]:
     """Draw with settings of our own, whatever the user's matplotlib is set to.
 
-    Matplotlib's warnings and log reach nobody: what a person should know is told by us.
+    Matplotlib's warnings and log are not shown: the notes of `draw` say what a person should know.
 
     Parameters
     ----------

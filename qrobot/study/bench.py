@@ -136,7 +136,7 @@ def _is_instance(path: Path) -> bool:
 def references(folder: Path) -> dict[str, float]:
     """Return the values of a folder's ``index.json`` by file name, when there is one.
 
-    Only numbers that a gap can be told against: what is 0, negative or huge is left out.
+    Only numbers that a gap can be measured from: what is 0, negative or huge is left out.
     """
     index = folder / "index.json"
     if not index.is_file():

@@ -132,13 +132,7 @@ def row_text(row: BenchRow) -> str:
 
 
 def bench_plot(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
-    """Draw the gap to the reference (or the cost) against the seconds, a mark a run.
-
-    Raises
-    ------
-    MissingExtraError
-        When matplotlib is not installed.
-    """
+    """Draw the gap to the reference (or the cost) against the seconds, a mark a run."""
     found = [row for row in report["rows"] if row["cost"] is not None]
     with_gap = any(row["gap"] is not None for row in found)
     shown = [row for row in found if row["gap"] is not None or not with_gap]

@@ -58,13 +58,7 @@ def figure_text(value: float | None, digits: int | None = None) -> str:
 
 @contextmanager
 def plotted(path: str | os.PathLike[str], size: tuple[float, float]) -> Iterator[tuple[Any, Any]]:
-    """Give a figure with one pair of axes to draw on, and write it as SVG or PNG.
-
-    Raises
-    ------
-    MissingExtraError
-        When matplotlib is not installed.
-    """
+    """Give a figure with one pair of axes to draw on, and write it as SVG or PNG."""
     with style():
         from matplotlib.figure import Figure
 

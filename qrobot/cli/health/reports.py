@@ -13,7 +13,8 @@ import click
 
 from qrobot._text import Table, columns, printable
 from qrobot.cli.options import FILE, written
-from qrobot.cli.streams import say, say_json
+from qrobot.cli.streams import show
+from qrobot.errors import InputError
 
 if TYPE_CHECKING:
     from qrobot.health import Finding, Report
@@ -43,10 +44,7 @@ def compare_(before: str, after: str, strict: bool, as_json: bool) -> None:
     from qrobot.health.reports import compare
 
     found = compare(read_report(before), read_report(after))
-    if as_json:
-        say_json(found.to_dict())
-    else:
-        say(show_comparison(found))
+    show(show_comparison(found), found.to_dict(), as_json)
     sys.exit(1 if found.worse or (strict and found.drift) else 0)
 
 
@@ -67,7 +65,6 @@ def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
       qrobot health merge reports/*.json --html fleet.html
     """
     from qrobot._files import check_outputs, write_text_atomic
-    from qrobot.errors import InputError
     from qrobot.health import read_report
     from qrobot.health.reports import fleet, fleet_html
 
@@ -79,10 +76,7 @@ def merge(files: tuple[str, ...], html_path: str | None, as_json: bool) -> None:
             write_text_atomic(html_path, fleet_html(found))
         except InputError as error:  # a full disk; the terminal still has it
             trouble = error
-    if as_json:
-        say_json(found.to_dict())
-    else:
-        say(show_fleet(found))
+    show(show_fleet(found), found.to_dict(), as_json)
     if trouble is not None:
         raise trouble
     sys.exit(1 if found.unhealthy else 0)

@@ -10,10 +10,10 @@ import click
 
 from qrobot._json import json_text
 from qrobot.cli.options import FILE, written
-from qrobot.cli.streams import say, say_json
+from qrobot.cli.streams import say, show
+from qrobot.errors import InputError
 
 if TYPE_CHECKING:
-    from qrobot.errors import InputError
     from qrobot.health import Check, CheckResult, Limits
 
 __all__ = ["Limit", "listing", "run"]
@@ -146,7 +146,6 @@ def run(
     from qrobot._files import check_outputs
     from qrobot.cli.health.reports import show_report
     from qrobot.cli.signals import exit_on_signals
-    from qrobot.errors import InputError
     from qrobot.health import Limits, choose, make_report, read_report, system_findings
     from qrobot.health.record import Clockwork, schema_text
     from qrobot.health.reports import compare, document, save
@@ -201,10 +200,7 @@ def run(
         html_path=html_path,
         prometheus=prometheus,
     )
-    if as_json:
-        say_json(document(report, drift))
-    else:
-        say(show_report(report, drift))
+    show(show_report(report, drift), document(report, drift), as_json)
     for trouble in troubles:
         say(f"qrobot: {trouble}", err=True)
     if troubles:

@@ -50,10 +50,8 @@ def forest_bound(
         The question; of an asymmetric matrix each way counts in its shorter direction.
     upper
         Distance of a known plan, ``inf`` without one: sets the length of the steps.
-    stop
-        Asked every round.
-    rounds
-        Most rounds.
+    stop, rounds
+        Asked every round; most rounds.
 
     Returns
     -------
@@ -144,10 +142,8 @@ def walk_bound(
         triangle inequality: then the walks run on `shortest_ways`.
     upper
         Distance of a known plan, ``inf`` without one: sets the length of the steps.
-    stop
-        Asked every round.
-    rounds
-        Most rounds.
+    stop, rounds
+        Asked every round; most rounds.
 
     Returns
     -------

@@ -20,7 +20,8 @@ from qrobot.errors import BackendError, InfeasibleError
 from qrobot.planning import Result, solve
 from qrobot.problem import Instance
 from qrobot.report.palette import DEPOT, INK
-from qrobot.report.picture import check_picture_path, plot, save, style
+from qrobot.report.picture import check_picture_path, plot
+from qrobot.study.render import plotted
 from qrobot.study.reproduce.paper import FIGURE_WEIGHTS, PLACES, TITLE, YEAR, figure_instance
 
 __all__ = ["FIGURES", "draw_figure"]
@@ -146,22 +147,13 @@ def _markdown(report: dict[str, Any]) -> str:
 
 
 def _draw_distances(instance: Instance, path: Path) -> None:
-    """Draw the complete graph: node 0 yellow, items blue, as in the paper.
-
-    Raises
-    ------
-    MissingExtraError
-        When matplotlib is not installed.
-    """
+    """Draw the complete graph: node 0 yellow, items blue, as in the paper."""
     house = instance.warehouse
     spots = [house.depot, *(house.position(item.place) for item in instance.items)]
     weights = [None, *(float(item.weight) for item in instance.items)]
     d = instance.distances
-    with style():
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(8.4, 7.2), layout="constrained", facecolor="white")
-        axes = figure.add_subplot(aspect="equal")
+    with plotted(path, (8.4, 7.2)) as (figure, axes):
+        axes.set_aspect("equal")
         axes.set_axis_off()
         axes.margins(0.09)
         taken = list(spots)
@@ -192,7 +184,6 @@ def _draw_distances(instance: Instance, path: Path) -> None:
             f"Figure {items}: nodes and distances, m (0 is the depot; places are ours)",
             x=0.02, ha="left", size=13, weight="bold",
         )  # fmt: skip
-        save(figure, path)
 
 
 def _free(a: XY, b: XY, taken: Sequence[XY]) -> XY:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import permutations
 from typing import cast
 
@@ -88,19 +89,15 @@ class Method:
     run
         Fills an outcome from a row's question, a number of reads and a seed. Raises `CannotRun`
         with a reason, MissingExtraError where software is missing, BackendError when it fails.
-    prepare
-        Imports and compiles what a backend needs.
+    warm
+        Imports and compiles what the method needs, outside of every clock.
     """
 
     name: str
     backend: str
     label: str
     run: Run
-    prepare: Callable[[str], None]
-
-    def warm(self) -> None:
-        """Import and compile what the method needs, outside of every clock."""
-        self.prepare(self.backend)
+    warm: Callable[[], None]
 
 
 def _sampler(name: str) -> PickingSampler:
@@ -150,7 +147,7 @@ def _variational(line: Outcome, question: Question, reads: int, seed: int) -> Ou
     return judged(line, question, found.distances, clock, seed=seed)
 
 
-def _warm_simulator(name: str) -> None:  # noqa: ARG001 - as of the samplers
+def _warm_simulator() -> None:
     """Compile, or load what was compiled."""
     form = Form.from_bqm(penalty_model(paper_instance(3)).bqm)
     DiagonalQAOA(form, alpha=0.5).value(np.array([0.1]), np.array([0.1]))
@@ -282,13 +279,13 @@ METHODS = {
     one.name: one
     for one in (
         *(
-            Method(name, name, label, _anneal, _warm_sampler)
+            Method(name, name, label, _anneal, partial(_warm_sampler, name))
             for name, label in zip(
                 ANNEALERS, ("simulated annealing", "tabu search", "steepest descent"), strict=True
             )
         ),
         *(
-            Method(name, name, f"VQE, {sdk}", _variational, _warm_sampler)
+            Method(name, name, f"VQE, {sdk}", _variational, partial(_warm_sampler, name))
             for name, sdk in zip(VQES, ("Qiskit", "PennyLane", "Braket"), strict=True)
         ),
         Method("penalty", "gates", "QAOA, penalty form, p = 1", _penalty, _warm_simulator),

@@ -133,7 +133,7 @@ def paper_instance(
     capacity: int | None = None,
     *,
     weights: Sequence[int] = NORMALISED,
-    whole: bool = False,
+    whole_metres: bool = False,
     seed: int = SEED,
 ) -> Instance:
     """Return an instance on a floor of 40 x 40 m with the depot in the middle.
@@ -146,7 +146,7 @@ def paper_instance(
         M; by default that of tables 2 and 3: 15 up to 9 items, then 25.
     weights
         Of the first items, at least n of them.
-    whole
+    whole_metres
         Whether distances are rounded to whole metres, as counting plans needs them.
     seed
         Of the places, which are multiples of half a metre; the first items of all sizes lie
@@ -158,7 +158,7 @@ def paper_instance(
         [Item(f"i{k + 1}", Fraction(weights[k]), at) for k, at in enumerate(places)],
         robots,
         capacity or (15 if items < 10 else 25),
-        OpenFloor(depot_x=20.0, depot_y=20.0, rounding="nearest" if whole else "none"),
+        OpenFloor(depot_x=20.0, depot_y=20.0, rounding="nearest" if whole_metres else "none"),
         f"gate-row-{items}-{robots}",
         seed,
     )
@@ -189,7 +189,7 @@ def table_instance(row: PaperRow, seed: int = SEED) -> Instance:
         row.robots,
         row.capacity,
         weights=weights,
-        whole=row.items > ENUMERATED,
+        whole_metres=row.items > ENUMERATED,
         seed=seed,
     )
 

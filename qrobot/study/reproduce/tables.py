@@ -77,12 +77,12 @@ def write_tables(report: dict[str, Any], folder: Path, plots: bool) -> list[str]
 def _markdown(report: dict[str, Any], table: int) -> str:
     """Return a table as Markdown: the paper's seconds beside ours, then what was found."""
     rows = [line for line in report["lines"] if line["table"] == table]
-    settings = report["settings"]
+    settings, encoding = report["settings"], paper_rows(table)[0].encoding
     lines = [
         f"### The paper's table {table}",
         "",
         f"Rows (n, K = 1, M, qubits) as in table {table} of “{TITLE}” ({YEAR}); its seconds stand "
-        f"beside ours. {report['places']} The penalty form is the `{_encoding(table)}` encoding "
+        f"beside ours. {report['places']} The penalty form is the `{encoding}` encoding "
         "with the paper's slack.",
         "",
         f"Ours: {machine_text(report)} {settings['reads']} reads, seed {settings['seed']}. "
@@ -98,10 +98,6 @@ def _markdown(report: dict[str, Any], table: int) -> str:
     if report["interrupted"]:
         lines += ["", "This run was interrupted: rows are missing."]
     return "\n".join(lines) + "\n"
-
-
-def _encoding(table: int) -> str:
-    return paper_rows(table)[0].encoding
 
 
 def _seconds(rows: Rows, table: int) -> list[str]:
@@ -125,8 +121,8 @@ def _seconds(rows: Rows, table: int) -> list[str]:
         cells += [_time(own.get(name, {}).get(part)) for name in gates]
         found.append(cells)
     named = {column: DEVICES[column] for row in paper_rows(table) for column in row.seconds}
-    told = "; ".join(dict.fromkeys(named.values()))
-    return [*markdown_table(heads, found), "", f"The paper's columns: {told}."]
+    devices = "; ".join(dict.fromkeys(named.values()))
+    return [*markdown_table(heads, found), "", f"The paper's columns: {devices}."]
 
 
 def _quality(rows: Rows) -> list[str]:
@@ -179,19 +175,19 @@ def _empty(rows: Rows) -> list[str]:
     found: dict[tuple[str, str], list[str]] = {}
     for row in rows:
         if row["status"] != "done":
-            key = (row["status"], row["reason"] or "no reason was told")
+            key = (row["status"], row["reason"] or "no reason was given")
             found.setdefault(key, []).append(f"`{row['method']}` at n = {row['items']}")
-    told = [
+    lines = [
         f"- {', '.join(who)}: {'failed, ' if status == 'failed' else ''}{reason}."
         for (status, reason), who in found.items()
     ]
     if any(row["items"] > 3 for row in rows):
-        told.append(
+        lines.append(
             "- VQE is run at n = 2 and 3, and the penalty form holds all 2^qubits states: beyond "
             "26 qubits only the mixers that keep the constraints are simulated, which know the n! "
             "plans alone."
         )
-    return told
+    return lines
 
 
 def _time(seconds: float | None) -> str:
@@ -209,13 +205,7 @@ def _gain(value: float) -> str:
 
 
 def _plot(rows: Sequence[dict[str, Any]], table: int, path: Path) -> None:
-    """Draw the seconds of a table; gids ``paper-...`` and ``ours-...`` name the lines.
-
-    Raises
-    ------
-    MissingExtraError
-        When matplotlib is not installed.
-    """
+    """Draw the seconds of a table; gids ``paper-...`` and ``ours-...`` name the lines."""
     part = "run_seconds" if table == 3 else "seconds"
     with plotted(path, (10.5, 5.6)) as (figure, axes):
         for name, label, marker in PAPER:
