@@ -37,7 +37,8 @@ class _Terms:
     load: Floats
     rooms: Floats
     order: npt.NDArray[np.intp]
-    whole: bool
+    split_costs: bool
+    """Whether an order could be split at all, so that this has a penalty."""
 
     def block(self, rows: slice) -> Floats:
         """Return the pair coefficients of some x rows with all x columns."""
@@ -54,7 +55,7 @@ class _Terms:
         if lay.first == 0:
             ends = (step == 0) | (step == lay.items + 1)
             block += (2.0 * pen.step) * ((mine[1] == step) & ends & (mine[2] + node == 0))
-        if self.whole:
+        if self.split_costs:
             order = self.order[node]
             together = (order[rows, None] == order) & (order >= 0) & (mine[2] != node)
             block += pen.same_robot * (together & ~same_vehicle)
@@ -125,7 +126,7 @@ def assemble(
         load=np.concatenate([weights[layout.node], layout.slack_coefficient]),
         rooms=layout.fleet.capacities.astype(np.float64),
         order=instance.order_of_node,
-        whole=len(instance.orders) < instance.size and len(layout.fleet) > 1,
+        split_costs=len(instance.orders) < instance.size and len(layout.fleet) > 1,
     )
     rows, columns, values = [], [], []
     height = max(1, BLOCK // max(layout.places, 1))

@@ -1,4 +1,4 @@
-"""The paper's model, errata mended, in docplex: as LP file, and through Qiskit as penalty form.
+"""The paper's model, errata corrected, in docplex: as LP file, and through Qiskit as penalty form.
 
 `picking_docplex` is docs/formulation.md term by term and shares no code with the vectorised
 models but the list of vehicles and the coefficients of the slack: each is a test of the other.

@@ -19,8 +19,7 @@ from qrobot.errors import InputError
 from qrobot.problem import Instance, Item, Node, Order, Place, Point, Slot
 from qrobot.problem.formats.cells import Line, read_lines
 from qrobot.problem.formats.native import Layout, read_layout
-from qrobot.problem.formats.places import checked
-from qrobot.problem.formats.registry import Format, ReadOptions
+from qrobot.problem.formats.registry import Format, ReadOptions, checked
 
 __all__ = ["FORMAT", "read_csv"]
 

@@ -32,8 +32,7 @@ from qrobot.problem import (
 from qrobot.problem.fleets import check_fleet_size
 from qrobot.problem.formats.fields import shown
 from qrobot.problem.formats.jsontext import dumps, loads, located
-from qrobot.problem.formats.places import checked
-from qrobot.problem.formats.registry import Format, ReadOptions
+from qrobot.problem.formats.registry import Format, ReadOptions, checked
 from qrobot.problem.formats.schema import (
     SCHEMA,
     AislesModel,

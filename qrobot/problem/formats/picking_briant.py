@@ -31,8 +31,7 @@ from qrobot.problem import (
 )
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.formats.lines import Line, Lines
-from qrobot.problem.formats.places import checked
-from qrobot.problem.formats.registry import Format, ReadOptions
+from qrobot.problem.formats.registry import Format, ReadOptions, checked
 from qrobot.problem.units import common_unit, exact
 
 __all__ = ["FORMAT", "read_briant"]

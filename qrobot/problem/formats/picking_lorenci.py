@@ -12,8 +12,7 @@ from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.formats.lines import Line, Lines
-from qrobot.problem.formats.places import checked
-from qrobot.problem.formats.registry import Format, ReadOptions
+from qrobot.problem.formats.registry import Format, ReadOptions, checked
 
 __all__ = ["FORMAT", "read_lorenci"]
 

@@ -22,6 +22,7 @@ from qrobot.problem.instance import Instance
 __all__ = [
     "Format",
     "ReadOptions",
+    "checked",
     "format_of",
     "formats_of",
     "register",
@@ -144,3 +145,13 @@ def _beginning(path: Path) -> str:
             return file.read(_BEGINNING).removeprefix(codecs.BOM_UTF8).decode("latin-1")
     except (OSError, ValueError):
         return ""  # reading it will tell why
+
+
+def checked(make: Callable[[], Instance], where: Callable[[str], str]) -> Instance:
+    """Return what `make` makes, with all that can be wrong with it found out and told by place."""
+    try:
+        instance = make()
+        _ = instance.place_distances, instance.unit
+    except InputError as error:
+        raise error.at(where(error.field) if error.field else None) from None
+    return instance

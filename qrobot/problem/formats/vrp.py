@@ -26,8 +26,7 @@ from qrobot.problem import (
     Robot,
 )
 from qrobot.problem.checks import first_invisible, is_reference
-from qrobot.problem.formats.places import checked
-from qrobot.problem.formats.registry import Format, ReadOptions
+from qrobot.problem.formats.registry import Format, ReadOptions, checked
 from qrobot.problem.formats.tsplib import Tsplib, parse
 from qrobot.problem.formats.vrp_places import ROUNDINGS, places_of
 from qrobot.problem.units import NUMBER, exact
@@ -104,7 +103,7 @@ def read_vrp(path: Path, options: ReadOptions) -> Instance:
             robots=tuple(Robot(f"R{k + 1}", load) for k in range(count)),
             name=_name(file) or path.stem,
             comment=_printable(file.text("COMMENT")),
-            reference=_reference(path, file, own, places.whole),
+            reference=_reference(path, file, own, places.rounded),
             remarks=tuple(file.notes),
         )
 
@@ -146,9 +145,9 @@ def _whole(file: Tsplib, name: str, *, most: int) -> int:
     if name not in file.fields:
         raise InputError("is missing", field=name, advice="add it; the file may be cut off")
     field = file.fields[name]
-    whole = re.fullmatch(r"[0-9]{1,12}", field.value)
-    if whole is None or not 1 <= int(field.value) <= most:
-        large = whole is not None and int(field.value) > most
+    digits = re.fullmatch(r"[0-9]{1,12}", field.value)
+    if digits is None or not 1 <= int(field.value) <= most:
+        large = digits is not None and int(field.value) > most
         raise field.error(
             f"{field.value:.40} is not a whole number from 1 to {most}",
             "plan in waves" if large else "correct it",
@@ -219,15 +218,15 @@ def _count(path: Path, file: Tsplib) -> int:
     )
 
 
-def _reference(path: Path, file: Tsplib, own: float | None, whole: bool) -> float | None:
+def _reference(path: Path, file: Tsplib, own: float | None, rounded: bool) -> float | None:
     """Return the least value that the comment or a solution beside the file knows."""
     beside, notes = reference_beside(path)
     file.notes.extend(notes)
     known = beside if own is None else [own, *beside]
-    if whole and any(value.is_integer() for value in known):
+    if rounded and any(value.is_integer() for value in known):
         known = [value for value in known if value.is_integer()]
     least = min(known, default=None)
-    if whole and least is not None and not least.is_integer():
+    if rounded and least is not None and not least.is_integer():
         file.notes.append(
             f"the reference {least:.12g} is not whole, but distances are rounded to whole numbers "
             "(rounding none leaves them as they are)"

@@ -137,7 +137,7 @@ class Places:
 
     warehouse: Warehouse
     nodes: list[Place]
-    whole: bool
+    rounded: bool
     """Whether distances were rounded to whole numbers."""
 
 
@@ -167,7 +167,7 @@ def places_of(
     else:
         assert positions is not None
         matrix = (geographical if kind == "GEO" else pseudo_euclidean)(positions)
-    return _in_table(matrix, depot, positions, whole=kind != "EXPLICIT")
+    return _in_table(matrix, depot, positions, rounded=kind != "EXPLICIT")
 
 
 def _kind(file: Tsplib) -> str:
@@ -186,10 +186,10 @@ def _kind(file: Tsplib) -> str:
     return kind
 
 
-def _in_table(matrix: Floats, depot: int, positions: Floats | None, *, whole: bool) -> Places:
+def _in_table(matrix: Floats, depot: int, positions: Floats | None, *, rounded: bool) -> Places:
     drawn = None if positions is None else tuple((x, y) for x, y in positions[:, :2].tolist())
     table = DistanceTable(tuple(map(tuple, matrix.tolist())), depot, drawn)
-    return Places(table, [Node(i) for i in range(len(matrix))], whole)
+    return Places(table, [Node(i) for i in range(len(matrix))], rounded)
 
 
 def _rounding(file: Tsplib, kind: str, own: float | None, asked: str | None) -> str | None:
@@ -205,21 +205,21 @@ def _rounding(file: Tsplib, kind: str, own: float | None, asked: str | None) -> 
 
 
 def _on_floor(file: Tsplib, kind: str, depot: int, positions: Floats, asked: str | None) -> Places:
-    whole = asked != "none"
+    rounded = asked != "none"
     if kind in ("EUC_2D", "MAN_2D") and asked in (None, "none", "nearest"):
         x, y = positions[depot].tolist()
         floor = OpenFloor(
             x,
             y,
             "euclidean" if kind == "EUC_2D" else "manhattan",
-            "nearest" if whole else "none",
+            "nearest" if rounded else "none",
         )
-        return Places(floor, [Point(x, y) for x, y in positions.tolist()], whole)
-    length, rounded = METRICS[kind]
+        return Places(floor, [Point(x, y) for x, y in positions.tolist()], rounded)
+    length, rule = METRICS[kind]
     lengths = length(positions[:, None, :] - positions[None, :, :])
-    matrix = (rounded if asked is None else ROUNDINGS[asked])(lengths)
+    matrix = (rule if asked is None else ROUNDINGS[asked])(lengths)
     file.notes.extend(coarse(matrix, lambda: lengths, kind))
-    return _in_table(matrix, depot, positions, whole=whole)
+    return _in_table(matrix, depot, positions, rounded=rounded)
 
 
 def _positions(file: Tsplib, size: int, kind: str) -> Floats:
