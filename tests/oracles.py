@@ -11,9 +11,19 @@ from fractions import Fraction
 from functools import cache
 from itertools import combinations
 
+import numpy as np
+import numpy.typing as npt
+
 from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
 
-__all__ = ["least_distance", "paper_shaped", "subset_programme"]
+__all__ = ["assignments", "least_distance", "paper_shaped", "subset_programme"]
+
+
+def assignments(variables: int) -> npt.NDArray[np.int8]:
+    """Return every assignment of up to 32 binary variables, a row each, counted upwards."""
+    numbers = np.arange(2**variables, dtype=">u4")
+    bits = np.unpackbits(numbers.view(np.uint8).reshape(-1, 4), axis=1)
+    return bits[:, 32 - variables :].view(np.int8)
 
 
 def least_distance(instance: Instance) -> tuple[float, int] | None:

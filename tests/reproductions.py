@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
-from itertools import permutations, product
+from itertools import permutations
 from typing import Any
 
 import dimod
 import numpy as np
+from oracles import assignments
 
 from qrobot.models import PickingModel
 from qrobot.problem import Instance
@@ -32,7 +33,7 @@ def blank(row: PaperRow, method: str) -> Outcome:
 
 def every_read(model: PickingModel) -> tuple[np.ndarray, np.ndarray]:
     """Return all bit strings of a model and the distance that each decodes to."""
-    bits = np.array(list(product((0, 1), repeat=model.num_variables)), dtype=np.int8)
+    bits = assignments(model.num_variables)
     samples = dimod.SampleSet.from_samples_bqm((bits, model.variables), model.bqm)
     return bits, model.decode_all(samples).distances
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import itertools
 import json
 from dataclasses import replace
 from fractions import Fraction
@@ -15,7 +14,7 @@ import pytest
 from dimod.serialization import coo
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from oracles import least_distance
+from oracles import assignments, least_distance
 from strategies import instances, warehouses_with_places
 
 from qrobot.errors import InfeasibleError, InputError
@@ -47,7 +46,7 @@ def tiny_instances(draw: st.DrawFn) -> Instance:
 
 
 def lowest(bqm: dimod.BinaryQuadraticModel) -> float:
-    bits = np.array(list(itertools.product((0, 1), repeat=bqm.num_variables)), dtype=np.int8)
+    bits = assignments(bqm.num_variables)
     return float(bqm.energies((bits, list(bqm.variables))).min())
 
 
@@ -146,7 +145,7 @@ def test_what_is_said_of_the_lowest_energy_is_true(
         assert report["ground_state_is_plan"]
     if not report["ground_state_is_plan"]:
         return
-    bits = np.array(list(itertools.product((0, 1), repeat=bqm.num_variables)), dtype=np.int8)
+    bits = assignments(bqm.num_variables)
     energies = bqm.energies((bits, model.variables))
     decoded = model.decode(
         dict(zip(model.variables, bits[int(energies.argmin())].tolist(), strict=True))
@@ -181,7 +180,7 @@ def best_of_lp(path: Path) -> float:
     """Return the least value of an LP as dimod reads it, all assignments looked at."""
     cqm = dimod.lp.load(str(path))
     names = list(cqm.variables)
-    bits = np.array(list(itertools.product((0, 1), repeat=len(names))), dtype=np.int8)
+    bits = assignments(len(names))
     kept = np.ones(len(bits), dtype=bool)
     for constraint in cqm.constraints.values():
         left, right = constraint.lhs.energies((bits, names)), constraint.rhs

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from oracles import assignments
 
 import qrobot
 from qrobot.errors import InfeasibleError, InputError
@@ -111,7 +112,7 @@ def test_under_safe_penalties_the_lowest_energy_is_the_best_plan(one: Instance) 
         n = model.num_variables
         if n > 16:
             continue
-        bits = np.array(list(itertools.product((0, 1), repeat=n)), dtype=np.int8)
+        bits = assignments(n)
         energies = model.bqm.energies((bits, list(model.variables)))
         lowest = dict(zip(model.variables, bits[int(np.argmin(energies))].tolist(), strict=True))
         assert float(energies.min()) == pytest.approx(best)
