@@ -14,18 +14,18 @@ from qrobot.health.checks.pennylane import CHECK
 from qrobot.health.lesson import draw, verdict
 
 words = [qml.PauliZ(k) for k in range(known.QUBITS)]
-words += [qml.PauliZ(i) @ qml.PauliZ(j) for i, j in known.small_couplings()]
-factors = [float(v) for v in (*known.small_fields(), *known.small_couplings().values())]
+words += [qml.PauliZ(i) @ qml.PauliZ(j) for i, j in known.SMALL_COUPLINGS]
+factors = [float(v) for v in (*known.SMALL_FIELDS, *known.SMALL_COUPLINGS.values())]
 energy = qml.Hamiltonian(factors, words)
 
 
 @qml.qnode(qml.device("default.qubit", wires=known.QUBITS))
 def mean(gamma, beta):
     """Return the mean energy after one layer of QAOA."""
-    for k, field in enumerate(known.small_fields()):
+    for k, field in enumerate(known.SMALL_FIELDS):
         qml.Hadamard(k)
         qml.RZ(2 * gamma * field, k)
-    for pair, coupling in known.small_couplings().items():
+    for pair, coupling in known.SMALL_COUPLINGS.items():
         qml.IsingZZ(2 * gamma * coupling, pair)
     for k in range(known.QUBITS):
         qml.RX(2 * beta, k)

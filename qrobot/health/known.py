@@ -24,18 +24,11 @@ COUPLINGS: dict[tuple[int, int], int] = {
 QUBITS = 4
 """The circuits use the first spins only."""
 
+SMALL_FIELDS = FIELDS[:QUBITS]
+SMALL_COUPLINGS = {pair: value for pair, value in COUPLINGS.items() if max(pair) < QUBITS}
+
 GAMMA, BETA = 0.21, 0.37
 """Angles of the circuit; any will do that is not a multiple of a symmetry."""
-
-
-def small_fields() -> tuple[int, ...]:
-    """Return the linear terms of the first spins."""
-    return FIELDS[:QUBITS]
-
-
-def small_couplings() -> dict[tuple[int, int], int]:
-    """Return the quadratic terms of the first spins."""
-    return {pair: value for pair, value in COUPLINGS.items() if max(pair) < QUBITS}
 
 
 def all_spins(count: int) -> NDArray[np.int64]:
@@ -114,6 +107,11 @@ def ground_answer(sampler: Any, **options: Any) -> list[float]:
     """Return the lowest energy that an annealer tells, and that of its state in numpy."""
     best = sampler.sample(model(), **options).first
     return [best.energy, energy_of(best.sample)]
+
+
+def sum_of_chosen(values: Sequence[int], bits: Sequence[int]) -> int:
+    """Return the sum of the values whose bits are 1."""
+    return sum(value * bit for value, bit in zip(values, bits, strict=True))
 
 
 def length(trips: Iterable[Sequence[int]], between: Callable[[int, int], float]) -> float:

@@ -1,13 +1,9 @@
-"""A run as a report: who ran, when, where; how one is read back, and the JSON Schema of all.
-
-``python -m qrobot.health.record > qrobot/health/report.schema.json`` writes the shipped schema.
-"""
+"""A run as a report: who ran, when, where; how one is read back, and the JSON Schema of all."""
 
 from __future__ import annotations
 
 import json
 import platform
-import sys
 import time
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -16,7 +12,6 @@ from importlib import resources
 from typing import Any
 
 from qrobot._files import StrPath, read_text
-from qrobot._json import json_text
 from qrobot._text import printable
 from qrobot._version import __version__
 from qrobot.errors import InputError
@@ -152,43 +147,6 @@ def _adapter() -> Any:
     return TypeAdapter(Report)
 
 
-COUNTED = ("pass", "fail", "error", "absent", "good", "warning", "fault", "unknown")
-
-
 def schema_text() -> str:
     """Return the schema as it is shipped."""
     return (resources.files("qrobot.health") / "report.schema.json").read_text(encoding="utf-8")
-
-
-def json_schema() -> dict[str, Any]:
-    """Return the schema as the model gives it; a reader must bear fields that it does not list."""
-    made: dict[str, Any] = _adapter().json_schema(mode="serialization")
-    count = {"type": "integer", "minimum": 0}
-    made["properties"] = {
-        "schema": {"const": SCHEMA},
-        **made["properties"],
-        "healthy": {"type": "boolean", "description": "No check is bad, no finding a fault."},
-        "totals": {
-            "type": "object",
-            "description": "How many checks and findings there are of each status.",
-            "properties": dict.fromkeys(COUNTED, count),
-            "required": list(COUNTED),
-        },
-    }
-    made["properties"]["made"]["format"] = "date-time"
-    for one in (made, *made["$defs"].values()):
-        one["required"] = list(one["properties"])  # whoever writes gives all of them
-        one["description"] = one["description"].partition("\n")[0]
-        for about in one["properties"].values():
-            about.pop("default", None)
-            about.pop("title", None)
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": f"urn:{SCHEMA.replace('.', ':').replace('/', ':')}",
-        **made,
-        "title": "What qrobot health found",
-    }
-
-
-if __name__ == "__main__":
-    sys.stdout.write(json_text(json_schema(), indent=1) + "\n")

@@ -25,8 +25,6 @@ class Presence:
 
     Parameters
     ----------
-    service
-        ``dwave``, ``ibm`` or ``aws``.
     present
         Whether something was found; it may still be refused.
     source
@@ -37,7 +35,6 @@ class Presence:
         True when the file can be read by other users of this machine.
     """
 
-    service: str
     present: bool
     source: str
     advice: str
@@ -142,14 +139,14 @@ def presence(service: str) -> Presence:
     _, variables, advice = SERVICES[service]
     for name in variables:
         if os.environ.get(name):
-            return Presence(service, True, f"variable {name}", advice)
+            return Presence(True, f"variable {name}", advice)
     for path in _FILES[service]():
         if any(_is_secret(name) and value for name, value in _pairs(path)):
             try:
                 others = bool(path.stat().st_mode & 0o077)
             except OSError:
                 others = False
-            return Presence(service, True, f"file {path}", advice, others)
+            return Presence(True, f"file {path}", advice, others)
     if service == "aws":
         for name in (
             "AWS_WEB_IDENTITY_TOKEN_FILE",
@@ -158,8 +155,8 @@ def presence(service: str) -> Presence:
             "AWS_PROFILE",
         ):
             if os.environ.get(name):
-                return Presence(service, True, f"variable {name}", advice)
-    return Presence(service, False, "not found", advice)
+                return Presence(True, f"variable {name}", advice)
+    return Presence(False, "not found", advice)
 
 
 def require(service: str) -> Presence:

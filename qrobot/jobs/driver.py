@@ -135,7 +135,8 @@ def _wait(
         if job.state == "done":
             return
         if job.ended:
-            raise RemoteError(f"{service.title} job {job.id} {job.state}: {_why(job)}")
+            why = job.problem or "the service gave no reason"
+            raise RemoteError(f"{service.title} job {job.id} {job.state}: {why}")
         stop = options.interrupt_function
         interrupted = stop is not None and stop()
         late = options.timeout is not None and time.perf_counter() - begun > options.timeout
@@ -241,7 +242,3 @@ def _call(service: RemoteService, options: JobOptions, call: Callable[[], Any]) 
     return with_retries(
         call, what=service.title, backoff=options.backoff, stop=options.interrupt_function
     )
-
-
-def _why(job: RemoteJob) -> str:
-    return job.problem or "the service gave no reason"

@@ -87,10 +87,6 @@ class Answer:
     solved: float | None = None
 
 
-def _new_id() -> str:
-    return f"qr-{secrets.token_hex(6)}"
-
-
 @dataclass(slots=True)
 class RemoteJob:
     """A job on somebody else's machine.
@@ -124,7 +120,7 @@ class RemoteJob:
     """
 
     backend: str
-    id: str = field(default_factory=_new_id)
+    id: str = field(default_factory=lambda: f"qr-{secrets.token_hex(6)}")
     remote_id: str = ""
     device: str = ""
     state: State = "submitting"

@@ -7,6 +7,7 @@ The file is for its owner's eyes (mode 0600) and holds no secret: all texts are 
 
 from __future__ import annotations
 
+import builtins
 import json
 import os
 import sqlite3
@@ -198,14 +199,11 @@ class JobStore:
                 field="state",
                 advice=f"use one of: {', '.join(STATES)}",
             )
-        with self._translated():
-            rows = self._db.execute(
-                f"SELECT {', '.join(_COLUMNS)} FROM jobs"  # noqa: S608
-                " WHERE (?1 IS NULL OR state = ?1) AND (?2 IS NULL OR backend = ?2)"
-                " ORDER BY submitted DESC, rowid DESC LIMIT ?3",
-                (state, backend, limit),
-            ).fetchall()
-        return [_job(row) for row in rows]
+        return self._select(
+            "(?1 IS NULL OR state = ?1) AND (?2 IS NULL OR backend = ?2)"
+            " ORDER BY submitted DESC, rowid DESC LIMIT ?3",
+            (state, backend, limit),
+        )
 
     def get(self, name: str) -> RemoteJob:
         """Return a job by our name, the service's name, or an unmistakable beginning of ours.
@@ -215,19 +213,22 @@ class JobStore:
         InputError
             When no job, or more than one, has that name.
         """
-        with self._translated():
-            rows = self._db.execute(
-                f"SELECT {', '.join(_COLUMNS)} FROM jobs"  # noqa: S608
-                " WHERE id = ?1 OR (remote_id = ?1 AND ?1 <> '')"
-                " OR (length(?1) >= 4 AND substr(id, 1, length(?1)) = ?1) LIMIT 2",
-                (name,),
-            ).fetchall()
-        if len(rows) != 1:
-            found = "no job is" if not rows else "more than one job is"
+        jobs = self._select(
+            "id = ?1 OR (remote_id = ?1 AND ?1 <> '')"
+            " OR (length(?1) >= 4 AND substr(id, 1, length(?1)) = ?1) LIMIT 2",
+            (name,),
+        )
+        if len(jobs) != 1:
+            found = "no job is" if not jobs else "more than one job is"
             raise InputError(
                 f"{found} named {redact(name)!r}", field="job", advice="see 'qrobot jobs list'"
             )
-        return _job(rows[0])
+        return jobs[0]
+
+    def _select(self, condition: str, parameters: tuple[Any, ...]) -> builtins.list[RemoteJob]:
+        query = f"SELECT {', '.join(_COLUMNS)} FROM jobs WHERE {condition}"  # noqa: S608
+        with self._translated():
+            return [_job(row) for row in self._db.execute(query, parameters).fetchall()]
 
     def prune(self, days: float = 30.0) -> int:
         """Forget jobs that ended and are older than so many days; return how many.

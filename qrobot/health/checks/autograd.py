@@ -24,10 +24,7 @@ def expected() -> list[float]:
     """Return them by the product rule."""
     x, bell = POINT, math.exp(-(POINT**2))
     sine, cosine = math.sin(x), math.cos(x)
-    return [
-        (cosine - 2 * x * sine) * bell,
-        ((4 * x * x - 3) * sine - 4 * x * cosine) * bell,
-    ]
+    return [(cosine - 2 * x * sine) * bell, ((4 * x * x - 3) * sine - 4 * x * cosine) * bell]
 
 
 CHECK = Check(

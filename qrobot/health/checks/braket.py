@@ -12,9 +12,9 @@ def answer() -> list[float]:
     from braket.devices import LocalSimulator
 
     made = Circuit()
-    for k, field in enumerate(known.small_fields()):
+    for k, field in enumerate(known.SMALL_FIELDS):
         made.h(k).rz(k, 2 * known.GAMMA * field)
-    for (i, j), coupling in known.small_couplings().items():
+    for (i, j), coupling in known.SMALL_COUPLINGS.items():
         made.zz(i, j, 2 * known.GAMMA * coupling)
     for k in range(known.QUBITS):
         made.rx(k, 2 * known.BETA)

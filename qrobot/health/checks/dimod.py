@@ -9,7 +9,7 @@ def answer() -> list[float]:
     import dimod
 
     small = dimod.BinaryQuadraticModel(
-        dict(enumerate(known.small_fields())), known.small_couplings(), 0.0, "SPIN"
+        dict(enumerate(known.SMALL_FIELDS)), known.SMALL_COUPLINGS, 0.0, "SPIN"
     )
     spins = known.all_spins(known.QUBITS)
     as_bits = small.change_vartype("BINARY", inplace=False)

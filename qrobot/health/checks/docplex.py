@@ -2,6 +2,7 @@
 
 import itertools
 
+from qrobot.health import known
 from qrobot.health.check import Check
 
 WORTH, WEIGHT, ROOM = (4, 3, 6, 5), (2, 1, 3, 2), 5
@@ -20,18 +21,16 @@ def answer() -> list[float]:
         for bits in itertools.product((0, 1), repeat=len(WORTH)):
             solution = model.new_solution(dict(zip(x, bits, strict=True)), keep_zeros=True)
             fits = solution.is_feasible_solution(silent=True)
-            value = solution.get_value(model.objective_expr)
-            worth.append(float(value) if fits else -1.0)
+            worth.append(solution.get_value(model.objective_expr) if fits else -1.0)
     return worth
 
 
 def expected() -> list[float]:
     """Return the same by arithmetic."""
-    worth = []
+    worth: list[float] = []
     for bits in itertools.product((0, 1), repeat=len(WORTH)):
-        weight = sum(w * bit for w, bit in zip(WEIGHT, bits, strict=True))
-        value = sum(v * bit for v, bit in zip(WORTH, bits, strict=True)) + 2 * bits[0] * bits[1]
-        worth.append(float(value) if weight <= ROOM else -1.0)
+        value = known.sum_of_chosen(WORTH, bits) + 2 * bits[0] * bits[1]
+        worth.append(value if known.sum_of_chosen(WEIGHT, bits) <= ROOM else -1.0)
     return worth
 
 

@@ -21,7 +21,7 @@ def answer() -> list[float]:
 
     solver = SimpleNamespace(_encoding_qubits=QUBITS, _encoding_couplers=COUPLERS)
     sent = coders.encode_problem_as_qp(solver, LINEAR, QUADRATIC)
-    numbers = [number for part in ("lin", "quad") for number in _doubles(sent[part])]
+    numbers = [*_doubles(sent["lin"]), *_doubles(sent["quad"])]
     bits = bytes(sum((s > 0) << (7 - k) for k, s in enumerate(state)) for state in STATES)
     reads = {
         "format": "qp",
@@ -34,9 +34,9 @@ def answer() -> list[float]:
     got = coders.decode_qp_numpy({"type": "ising", "answer": reads}, return_matrix=False)
     return [
         *(99.0 if math.isnan(number) else number for number in numbers),
-        *map(float, got["energies"]),
-        *map(float, got["num_occurrences"]),
-        *(float(state[qubit]) for state in got["solutions"] for qubit in sorted(LINEAR)),
+        *got["energies"],
+        *got["num_occurrences"],
+        *(state[qubit] for state in got["solutions"] for qubit in sorted(LINEAR)),
     ]
 
 

@@ -26,7 +26,7 @@ def answer() -> list[float]:
         model.states.resize(len(orders))
         for k, order in enumerate(orders):
             sequence.set_state(k, order)
-            numbers += [float(model.objective.state(k)), float(short.state(k))]
+            numbers += [model.objective.state(k), short.state(k)]
     return numbers
 
 
@@ -35,7 +35,7 @@ def expected() -> list[float]:
     numbers: list[float] = []
     for order in itertools.permutations(range(STOPS)):
         length = sum(WAYS[a][b] for a, b in itertools.pairwise((*order, order[0])))
-        numbers += [float(length), float(length <= LIMIT)]
+        numbers += [length, length <= LIMIT]
     return numbers
 
 

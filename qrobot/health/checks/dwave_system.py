@@ -23,13 +23,9 @@ def answer() -> list[float]:
     finally:
         device.close()
     order = [list(found.variables).index(k) for k in range(len(known.FIELDS))]
-    told = np.asarray(found.record.energy, dtype=float)
+    energies = np.asarray(found.record.energy, dtype=float)
     true = known.energies(found.record.sample[:, order])
-    return [
-        float(found.record.num_occurrences.sum()),
-        float(np.abs(told - true).max()),
-        float(told.min()),
-    ]
+    return [found.record.num_occurrences.sum(), np.abs(energies - true).max(), energies.min()]
 
 
 def expected() -> list[float]:

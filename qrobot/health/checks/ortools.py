@@ -27,8 +27,8 @@ def answer() -> list[float]:
     return [
         solver.objective_value,
         solver.best_objective_bound,
-        float(sum(length for _, length in chosen)),
-        float(sum(len(orders) for orders, _ in chosen)),
+        sum(length for _, length in chosen),
+        sum(len(orders) for orders, _ in chosen),
     ]
 
 

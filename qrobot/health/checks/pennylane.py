@@ -10,15 +10,15 @@ def answer() -> list[float]:
 
     device = qml.device("default.qubit", wires=known.QUBITS)
     words = [qml.PauliZ(k) for k in range(known.QUBITS)]
-    words += [qml.PauliZ(i) @ qml.PauliZ(j) for i, j in known.small_couplings()]
-    factors = [float(v) for v in (*known.small_fields(), *known.small_couplings().values())]
+    words += [qml.PauliZ(i) @ qml.PauliZ(j) for i, j in known.SMALL_COUPLINGS]
+    factors = [float(v) for v in (*known.SMALL_FIELDS, *known.SMALL_COUPLINGS.values())]
 
     @qml.qnode(device)  # type: ignore[untyped-decorator]
     def run() -> object:
-        for k, field in enumerate(known.small_fields()):
+        for k, field in enumerate(known.SMALL_FIELDS):
             qml.Hadamard(k)
             qml.RZ(2 * known.GAMMA * field, k)
-        for pair, coupling in known.small_couplings().items():
+        for pair, coupling in known.SMALL_COUPLINGS.items():
             qml.IsingZZ(2 * known.GAMMA * coupling, pair)
         for k in range(known.QUBITS):
             qml.RX(2 * known.BETA, k)

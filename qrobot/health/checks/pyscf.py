@@ -19,10 +19,7 @@ def answer() -> list[float]:
         atoms = f"H 0 0 0; H 0 0 {distance}"
         return scf.RHF(gto.M(atom=atoms, unit=unit, basis="sto-3g", verbose=0)).run()
 
-    return [
-        float(field(1.4, "Bohr").e_tot),
-        float(fci.FCI(field(0.7414, "Angstrom")).kernel()[0]),
-    ]
+    return [field(1.4, "Bohr").e_tot, fci.FCI(field(0.7414, "Angstrom")).kernel()[0]]
 
 
 def expected() -> list[float]:

@@ -12,9 +12,9 @@ def circuit() -> Any:
 
     made = QuantumCircuit(known.QUBITS)
     made.h(range(known.QUBITS))
-    for k, field in enumerate(known.small_fields()):
+    for k, field in enumerate(known.SMALL_FIELDS):
         made.rz(2 * known.GAMMA * field, k)
-    for (i, j), coupling in known.small_couplings().items():
+    for (i, j), coupling in known.SMALL_COUPLINGS.items():
         made.rzz(2 * known.GAMMA * coupling, i, j)
     made.rx(2 * known.BETA, range(known.QUBITS))
     return made
@@ -26,8 +26,8 @@ def answer() -> list[float]:
     from qiskit.primitives import StatevectorEstimator
     from qiskit.quantum_info import SparsePauliOp, Statevector
 
-    terms = [("Z", [k], float(field)) for k, field in enumerate(known.small_fields())]
-    terms += [("ZZ", [i, j], float(v)) for (i, j), v in known.small_couplings().items()]
+    terms = [("Z", [k], float(field)) for k, field in enumerate(known.SMALL_FIELDS)]
+    terms += [("ZZ", [i, j], float(v)) for (i, j), v in known.SMALL_COUPLINGS.items()]
     energy = SparsePauliOp.from_sparse_list(terms, num_qubits=known.QUBITS)
     made = circuit()
     lowered = transpile(

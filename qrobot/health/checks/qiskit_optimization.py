@@ -2,6 +2,7 @@
 
 import itertools
 
+from qrobot.health import known
 from qrobot.health.check import Check
 
 WORTH, WEIGHT, ROOM = (4, 3, 6), (2, 1, 3), 4
@@ -20,20 +21,16 @@ def answer() -> list[float]:
     program.linear_constraint({f"x{k}": w for k, w in enumerate(WEIGHT)}, "<=", ROOM, "room")
     found = MinimumEigenOptimizer(NumPyMinimumEigensolver()).solve(program)
     chosen = [round(float(bit)) for bit in found.x]
-    weight = sum(w * bit for w, bit in zip(WEIGHT, chosen, strict=True))
-    return [
-        float(found.fval),
-        float(sum(v * bit for v, bit in zip(WORTH, chosen, strict=True))),
-        float(max(0, weight - ROOM)),
-    ]
+    worth, weight = known.sum_of_chosen(WORTH, chosen), known.sum_of_chosen(WEIGHT, chosen)
+    return [found.fval, worth, max(0, weight - ROOM)]
 
 
 def expected() -> list[float]:
     """Return the best of all packings, twice, and no excess."""
     best = max(
-        sum(v * bit for v, bit in zip(WORTH, bits, strict=True))
+        known.sum_of_chosen(WORTH, bits)
         for bits in itertools.product((0, 1), repeat=len(WORTH))
-        if sum(w * bit for w, bit in zip(WEIGHT, bits, strict=True)) <= ROOM
+        if known.sum_of_chosen(WEIGHT, bits) <= ROOM
     )
     return [best, best, 0]
 

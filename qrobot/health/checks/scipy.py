@@ -26,10 +26,7 @@ def answer() -> list[float]:
 def expected() -> list[float]:
     """Return sine and cosine, the chain's formula, and the best of all permutations."""
     return [
-        math.cos(ANGLE),
-        -math.sin(ANGLE),
-        math.sin(ANGLE),
-        math.cos(ANGLE),
+        *(math.cos(ANGLE), -math.sin(ANGLE), math.sin(ANGLE), math.cos(ANGLE)),
         *(2 - 2 * math.cos(k * math.pi / (SIZE + 1)) for k in (SIZE - 1, SIZE)),
         min(sum(COSTS[r][c] for r, c in enumerate(p)) for p in itertools.permutations(range(4))),
     ]

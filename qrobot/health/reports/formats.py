@@ -166,7 +166,8 @@ def junit(report: Report) -> str:
         groups.setdefault(check.group, []).append(check)
     for group, checks in groups.items():
         cases = [_check(check, report.required) for check in checks]
-        _suite(root, f"qrobot.health.{_word(group)}", report, cases)
+        name = re.sub(r"\W+", "_", group)
+        _suite(root, f"qrobot.health.{name}", report, cases)
     if report.system:
         _suite(root, "qrobot.health.machine", report, [_finding(f) for f in report.system])
     for name in ("tests", "failures", "errors"):
@@ -244,10 +245,6 @@ def _outcome(case: ET.Element, tag: str, kind: str, message: str) -> None:
 
 def _clean(text: str) -> str:
     return FORBIDDEN.sub("\ufffd", text)
-
-
-def _word(group: str) -> str:
-    return re.sub(r"\W+", "_", group)
 
 
 def _time(seconds: float) -> str:

@@ -17,7 +17,7 @@ def checks_table(report: Report) -> Table:
             (
                 check.name,
                 check.status,
-                first_version(check.versions),
+                next(iter(check.versions.values()), "-"),  # of the stack itself
                 _number(check.import_seconds, 2),
                 _number(check.run_seconds, 3),
                 _number(check.peak_mb, 0),
@@ -94,11 +94,6 @@ def _text(finding: Finding) -> str:
         # The kernel keeps some MiB for itself, and more or less of it with every version.
         return f"{finding.value / 1024:.1f} GiB"
     return finding.text()
-
-
-def first_version(versions: dict[str, str]) -> str:
-    """Return the version of the stack itself, which is listed first."""
-    return next(iter(versions.values()), "-")
 
 
 def _number(value: float | None, digits: int) -> str:
