@@ -29,7 +29,10 @@ __all__ = ["command"]
 )
 @objective
 @rounding
-@click.option("--match", default="*", help="Only files whose names match, such as 'A-*'.")
+@click.option("--match", default="*", help="Only files whose names match: 'A-*', 'henn/*'.")
+@click.option(
+    "--variant", help="Change the instances as an index.json has values for: two_blocks, .."
+)
 @click.option("--limit", type=int, help="Largest number of instances.")
 @written("--json", "json_path", help="Write the report as JSON, row by row.")
 @written("--csv", "csv_path", help="Write the rows as CSV.")
@@ -46,13 +49,14 @@ def command(
     objective: str,
     rounding: str | None,
     match: str,
+    variant: str | None,
     limit: int | None,
     json_path: str | None,
     csv_path: str | None,
     markdown_path: str | None,
     plot_path: str | None,
 ) -> None:
-    """Compare backends on a FOLDER of instances ({suffixes}).
+    """Compare backends on a FOLDER of instances ({suffixes}), and the folders in it.
 
     References come from .sol files beside the instances, an index.json, or the instances
     themselves. Each run has a process of its own, so its peak memory is its own.
@@ -63,13 +67,17 @@ def command(
       qrobot bench instances/ --objective time
       qrobot bench cvrplib/ --robots-for 'X-*=free' --markdown out.md --plot out.svg
     """
+    from pathlib import Path
+
     from qrobot._files import check_outputs, write_text_atomic
     from qrobot.cli.signals import terminate_as_interrupt
+    from qrobot.errors import InputError
     from qrobot.plan.objective import objective_named
     from qrobot.planning import DEFAULT_DEADLINE
     from qrobot.report.picture import check_picture_path
     from qrobot.study.bench import BenchRow, find_instances, run_bench, tasks
     from qrobot.study.bench_report import bench_csv, bench_markdown, bench_plot, row_text
+    from qrobot.study.variants import VARIANTS
 
     named = _checked(backends, seeds, deadline=deadline, limit=limit, max_work=max_work)
     if deadline is None and max_work is None:
@@ -77,6 +85,12 @@ def command(
     check_outputs([path for path in (json_path, csv_path, markdown_path, plot_path) if path])
     if plot_path:
         check_picture_path(plot_path)
+    if variant not in (None, *VARIANTS):
+        raise InputError(
+            f"{variant!r:.40} is not a variant",
+            field="--variant",
+            advice=f"use one of {', '.join(VARIANTS)}",
+        )
     todo = tasks(
         find_instances(folder, match)[:limit],
         named,
@@ -87,6 +101,8 @@ def command(
         robots_for=robots_for,
         rounding=rounding,
         objective=objective_named(objective, field="--objective").name,
+        root=Path(folder),
+        variant=variant,
     )
     most = "" if deadline is None else f", at most {len(todo) * deadline:.0f} s of searching"
     say(f"{len(todo)} runs{most}", err=True)

@@ -8,19 +8,17 @@ import os
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
-from functools import lru_cache
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from qrobot._files import read_text, write_text_atomic
+from qrobot._files import write_text_atomic
 from qrobot._json import json_text
 from qrobot._processes import child_environment, python_command
 from qrobot.errors import InputError
 from qrobot.plan.objective import DISTANCE
-from qrobot.problem.checks import is_reference
-from qrobot.problem.formats.jsontext import loads
 from qrobot.problem.formats.registry import format_of, formats_of, suffixes
+from qrobot.study.references import reference_of
 from qrobot.study.runner import Part, measured_here, run_parts
 
 __all__ = ["BENCH_SCHEMA", "BenchRow", "Task", "find_instances", "run_bench", "tasks"]
@@ -43,6 +41,10 @@ class Task:
     reference: float | None = None
     rounding: str | None = None
     objective: str = "distance"
+    name: str = ""
+    """Of the instance, as rows show it; empty: its file's."""
+    reference_status: str | None = None
+    variant: str | None = None
 
 
 @dataclass(slots=True)
@@ -53,6 +55,8 @@ class BenchRow:
     ----------
     instance, backend, seed
         Which run.
+    reference_status
+        ``optimal`` or ``best known``, where an index says it of the reference.
     cost, bound, reference
         By the objective; ``None`` where there is none. References are distances.
     gap
@@ -87,10 +91,19 @@ class BenchRow:
     robots: int | None = None
     sampler: dict[str, Any] | None = None
     error: str | None = field(default=None)
+    reference_status: str | None = None
 
 
 def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Path]:
-    """Return the instance files of a folder, by name.
+    """Return the instance files of a folder and of those inside it, by path.
+
+    Parameters
+    ----------
+    folder
+        Where to look. What is hidden is passed over.
+    match
+        A pattern of the names, or of the paths from the folder; without ``*``, ``?`` or ``[``
+        their beginning.
 
     Raises
     ------
@@ -102,13 +115,18 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
         raise InputError(
             "is not a folder", source=os.fspath(folder), advice="give a folder of instances"
         )
+    pattern = match if any(c in match for c in "*?[") else f"{match}*"
+    known = suffixes()
     found = sorted(
         path
-        for path in root.iterdir()
-        if path.suffix.lower() in suffixes()
+        for path in _files_in(root)
+        if path.suffix.lower() in known
         and path.name not in {"index.json", "layout.json"}
         and not path.name.endswith((".layout.json", ".schema.json"))
-        and fnmatch.fnmatch(path.name, match if any(c in match for c in "*?[") else f"{match}*")
+        and any(
+            fnmatch.fnmatch(name, pattern)
+            for name in (path.name, path.relative_to(root).as_posix())
+        )
         and _is_instance(path)
     )
     if not found:
@@ -118,6 +136,12 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
             advice="give another folder or pattern",
         )
     return found
+
+
+def _files_in(root: Path) -> Iterator[Path]:
+    for folder, folders, names in os.walk(root):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        yield from (Path(folder, name) for name in names)
 
 
 def _is_instance(path: Path) -> bool:
@@ -132,30 +156,6 @@ def _is_instance(path: Path) -> bool:
     return not (b'"qrobot.plan/' in start or b'"qrobot.bench/' in start)
 
 
-@lru_cache(maxsize=64)
-def references(folder: Path) -> dict[str, float]:
-    """Return the values of a folder's ``index.json`` by file name, when there is one.
-
-    Only numbers that a gap can be measured from: what is 0, negative or huge is left out.
-    """
-    index = folder / "index.json"
-    if not index.is_file():
-        return {}
-    try:
-        entries = loads(read_text(index))
-        known = [e for e in entries if e.get("value") is not None]
-        values = {Path(e["file"]).name: float(e["value"]) for e in known}
-    except InputError as error:
-        raise error.in_file(os.fspath(index)) from None
-    except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
-        raise InputError(
-            f"cannot be read ({type(error).__name__}: {error})",
-            source=os.fspath(index),
-            advice="give a list of objects with file and value, or remove it",
-        ) from None
-    return {name: value for name, value in values.items() if is_reference(value)}
-
-
 def tasks(
     paths: Sequence[Path],
     backends: Sequence[str],
@@ -167,6 +167,8 @@ def tasks(
     robots_for: Sequence[str] = (),
     rounding: str | None = None,
     objective: str = "distance",
+    root: Path | None = None,
+    variant: str | None = None,
 ) -> list[Task]:
     """Return every run: instances x backends x seeds.
 
@@ -185,19 +187,37 @@ def tasks(
     objective
         What shall be small, by name; the known values of files are distances, so there are no
         gaps for another one.
+    root
+        The folder of the comparison: rows name files in its folders by their path.
+    variant
+        Change the instances as a variant demands, and leave out those that no index has a
+        value of it for.
     """
     rules = [_rule(text) for text in robots_for]
     found = []
     for path in paths:
         own = next((n for pattern, n in rules if fnmatch.fnmatch(path.name, pattern)), robots)
-        known = references(path.parent).get(path.name) if objective == DISTANCE.name else None
-        rounds = any("rounding" in known.options for known in formats_of(path.suffix.lower()))
-        rule = rounding if rounds else None
-        found += [
-            Task(os.fspath(path), backend, seed, deadline, max_work, own, known, rule, objective)
-            for backend in backends
-            for seed in range(seeds)
-        ]
+        known = reference_of(path, root or path.parent, variant)
+        if variant is not None and known is None:
+            continue
+        value, status = known if known and objective == DISTANCE.name else (None, None)
+        inside = path.relative_to(root) if root else Path(path.name)
+        rounds = any("rounding" in format_.options for format_ in formats_of(path.suffix.lower()))
+        task = Task(
+            path=os.fspath(path),
+            backend="",
+            seed=0,
+            deadline=deadline,
+            max_work=max_work,
+            robots=own,
+            reference=value,
+            rounding=rounding if rounds else None,
+            objective=objective,
+            name=inside.with_suffix("").as_posix() + (f" {variant}" if variant else ""),
+            reference_status=status,
+            variant=variant,
+        )
+        found += [replace(task, backend=b, seed=seed) for b in backends for seed in range(seeds)]
     return found
 
 
@@ -260,7 +280,13 @@ def run_bench(
 
 def _rows(todo: Sequence[Task]) -> Iterator[BenchRow]:
     for task in todo:
-        row = BenchRow(Path(task.path).stem, task.backend, task.seed, reference=task.reference)
+        row = BenchRow(
+            task.name or Path(task.path).stem,
+            task.backend,
+            task.seed,
+            reference=task.reference,
+            reference_status=task.reference_status,
+        )
         limit = None if task.deadline is None else task.deadline + GRACE
         begun = time.perf_counter()
         try:

@@ -23,7 +23,7 @@ __all__ = ["bench_csv", "bench_markdown", "bench_plot", "row_text", "summaries"]
 
 COLUMNS = (
     "instance", "backend", "seed", "cost", "bound", "reference", "gap", "proven", "feasible",
-    "seconds", "peak_mb", "trips", "robots", "wall_seconds", "error",
+    "seconds", "peak_mb", "trips", "robots", "wall_seconds", "error", "reference_status",
 )  # fmt: skip
 EXACT = 1e-9
 """Relative: a cost this close to the reference matches it."""
@@ -37,8 +37,8 @@ def bench_csv(report: dict[str, Any], path: str | os.PathLike[str]) -> None:
 def summaries(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return one line a backend: how many, how good, how fast.
 
-    Where the names tell several sets (the letters that ``A-n32-k5`` begins with), a line
-    for each set follows.
+    Where the names tell several sets (the letters that ``A-n32-k5`` begins with, or folders), a
+    line for each set follows.
     """
     backends = list(dict.fromkeys(row["backend"] for row in rows))
     sets = list(dict.fromkeys(_set(row) for row in rows))
@@ -52,8 +52,9 @@ def summaries(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _set(row: dict[str, Any]) -> str | None:
-    found = re.match(r"([A-Za-z]+)-n\d", row["instance"])
-    return found[1] if found else None
+    folder, _, name = row["instance"].rpartition("/")
+    found = re.match(r"([A-Za-z]+)-n\d", name)
+    return found[1] if found else folder or None
 
 
 def _summary(rows: Sequence[dict[str, Any]], backend: str, part: str | None) -> dict[str, Any]:

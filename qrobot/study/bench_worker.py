@@ -18,6 +18,7 @@ from qrobot.errors import InfeasibleError, QRobotError
 from qrobot.plan.objective import DISTANCE
 from qrobot.planning import solve
 from qrobot.problem.formats import read
+from qrobot.study.variants import variant_of
 
 __all__ = ["run"]
 
@@ -27,6 +28,8 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
     row: dict[str, Any] = {}
     try:
         instance = read(task["path"], robots=task["robots"], rounding=task.get("rounding"))
+        if task.get("variant"):
+            instance = variant_of(instance, task["variant"])
         objective = task.get("objective", DISTANCE.name)
         if objective == DISTANCE.name:  # what files know of is a distance
             row["reference"] = instance.reference

@@ -145,8 +145,8 @@ def check_json(block: Block) -> None:
 
 def run_json(block: Block, reader: Reader) -> None:
     """Read an instance, whose layout is then that of the orders on the page."""
-    document: dict[str, Any] = json.loads(block.text)
-    if document.get("schema") == "qrobot.instance/1":
+    document: Any = json.loads(block.text)
+    if isinstance(document, dict) and document.get("schema") == "qrobot.instance/1":
         (reader.folder / "instance.json").write_text(block.text)
         assert qrobot.read(reader.folder / "instance.json").size
         if not (reader.folder / "layout.json").exists():

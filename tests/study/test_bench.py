@@ -29,7 +29,7 @@ def row(**values: Any) -> dict[str, Any]:
         "instance": "A-n5-k2", "backend": "auto", "seed": 0, "cost": 10.0, "bound": 9.0,
         "reference": 10.0, "gap": 0.0, "proven": False, "feasible": True, "seconds": 1.0,
         "wall_seconds": 2.0, "peak_mb": 100.0, "trips": 2, "robots": 2, "sampler": None,
-        "error": None,
+        "error": None, "reference_status": None,
     }  # fmt: skip
     return base | values
 
@@ -69,6 +69,93 @@ def test_tasks_are_instances_by_backends_by_seeds(tmp_path: Path) -> None:
         ("A-n5-k2", 7, None),
         ("X-n9-k3", "free", 12.0),
     }
+
+
+HI = """\
+NUM_AISLES : 2
+NUM_CELLS : 4
+DEPOT_AISLE : 0
+DEPOT_LOCATION : top
+DISTANCE_AISLE_TO_AISLE : 3
+DISTANCE_CELL_TO_CELL : 1
+DISTANCE_TOP_TO_CELL : 3
+DISTANCE_BOTTOM_TO_CELL : 4
+DISTANCE_TOP_OR_BOTTOM_TO_DEPOT : 0
+PICKER_CAPACITY : 9
+ARTICLE_SECTION
+NUM_ARTICLES : 2
+ID 0 WEIGHT 1
+ID 1 WEIGHT 1
+SKU_SECTION
+NUM_SKUS : 2
+ID 0 AISLE 0 CELL 3 QUANTITY 1 LEFT_RIGHT_HAND_SIDE left
+ID 1 AISLE 1 CELL 1 QUANTITY 1 LEFT_RIGHT_HAND_SIDE left
+ORDER_SECTION
+NUM_ORDERS : 1
+NUM_ARTICLES_IN_ORDER : 2
+ID 0 QUANTITY 1
+ID 1 QUANTITY 1
+EOF
+"""
+VALUES = {
+    "value": 26.0, "status": "optimal", "two_blocks": 20.0,
+    "end_gap_1_5": {"value": 18.0, "proven": False},
+}  # fmt: skip
+
+
+def batches(folder: Path) -> Path:
+    """Return a folder with folders in it, whose files share a name, and one index for all."""
+    for name in ("a", "b", ".hidden"):
+        (folder / name).mkdir()
+        (folder / name / "x.txt").write_text(HI)
+    (folder / "README.txt").write_text("two sets of files\n")
+    index = [{"file": "a/x.txt", **VALUES}, {"file": "b/x.txt", "value": 1}]
+    (folder / "index.json").write_text(json.dumps(index))
+    return folder
+
+
+def test_folders_are_descended_and_the_index_is_keyed_by_path(tmp_path: Path) -> None:
+    root = batches(tmp_path)
+    paths = find_instances(root)
+    assert [p.relative_to(root).as_posix() for p in paths] == ["a/x.txt", "b/x.txt"]
+    assert find_instances(root, "b/*") == find_instances(root, "b/") == paths[1:]
+    found = tasks(paths, ["auto"], 1, deadline=1.0, root=root)
+    assert [(t.name, t.reference, t.reference_status) for t in found] == [
+        ("a/x", 26.0, "optimal"), ("b/x", 1.0, None),
+    ]  # fmt: skip
+    # A folder alone has the index above it, unless that is something else.
+    (one,) = tasks(paths[:1], ["auto"], 1, deadline=1.0, root=root / "a")
+    assert (one.name, one.reference) == ("x", 26.0)
+
+
+def test_an_index_above_the_folder_may_be_something_else(tmp_path: Path) -> None:
+    root = batches(tmp_path)
+    (root / "index.json").write_text('{"pages": 3}')
+    (one,) = tasks([root / "a" / "x.txt"], ["auto"], 1, deadline=1.0, root=root / "a")
+    assert one.reference is None
+
+
+@pytest.mark.parametrize(
+    ("variant", "cost", "status"),
+    [
+        (None, 26.0, "optimal"),  # round both aisles: 2 (10 + 3)
+        ("two_blocks", 20.0, "optimal"),  # round the back block, twice 2 to the last cell
+        ("end_gap_1_5", 18.0, "best known"),  # round both aisles: 2 (6 + 3)
+    ],
+)
+def test_variants_are_compared_with_their_own_values(
+    tmp_path: Path, variant: str | None, cost: float, status: str
+) -> None:
+    root = batches(tmp_path)
+    todo = tasks(find_instances(root, "a"), ["exact"], 1, deadline=5.0, root=root, variant=variant)
+    (row,) = run_bench(todo)["rows"]
+    assert row["instance"] == ("a/x" if variant is None else f"a/x {variant}")
+    assert row["cost"] == pytest.approx(cost)
+    assert row["gap"] == pytest.approx(0)
+    assert row["reference_status"] == status
+    assert (
+        tasks(find_instances(root, "b"), ["exact"], 1, deadline=5.0, root=root, variant="x") == []
+    )
 
 
 def test_another_objective_is_compared_without_references(tmp_path: Path) -> None:
