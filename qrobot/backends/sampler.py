@@ -9,6 +9,7 @@ from typing import Any
 import dimod
 import numpy as np
 
+from qrobot._arrays import Bits
 from qrobot._parameters import Parameter, near
 from qrobot.backends.base import Capabilities
 from qrobot.errors import InputError
@@ -23,6 +24,7 @@ __all__ = [
     "check_finite",
     "check_parameters",
     "constant_samples",
+    "samples_of_bits",
 ]
 
 COMMON: Mapping[str, Parameter] = {
@@ -165,6 +167,14 @@ def check_finite(bqm: dimod.BinaryQuadraticModel) -> None:
             field="bqm",
             advice="check the distances and penalties that it was made from",
         )
+
+
+def samples_of_bits(
+    bqm: dimod.BinaryQuadraticModel, bits: Bits, info: Mapping[str, Any]
+) -> dimod.SampleSet:
+    """Return rows of 0 and 1, a column for each variable in sequence, as samples of a model."""
+    values = bits if bqm.vartype is dimod.BINARY else 2 * bits - 1
+    return dimod.SampleSet.from_samples_bqm((values, list(bqm.variables)), bqm, info=dict(info))
 
 
 def constant_samples(bqm: dimod.BinaryQuadraticModel, num_reads: int) -> dimod.SampleSet:

@@ -15,7 +15,7 @@ from qrobot.backends.gate.circuit import Circuit, Gate
 from qrobot.backends.gate.engine import PlainEngine, StateEngine, room
 from qrobot.backends.gate.form import Form, diagonal
 from qrobot.backends.gate.objective import ExactObjective, ShotObjective, Tail
-from qrobot.backends.gate.optimisers import GRADIENT, OPTIMISERS, minimise
+from qrobot.backends.gate.optimisers import GRADIENT, OPTIMISERS, Evaluations, minimise
 from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.gate.state import general
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
@@ -121,14 +121,13 @@ def test_every_optimiser_lowers_a_bowl_within_its_budget(name):
     if name not in ("spsa", "adam"):
         pytest.importorskip("scipy", reason="scipy comes with each SDK")
     middle = np.array([0.5, -0.3])
-    found = minimise(
-        name,
+    runs = Evaluations(
         lambda x: float(((x - middle) ** 2).sum()),
-        lambda x: (float(((x - middle) ** 2).sum()), 2 * (x - middle)),
         np.zeros(2),
+        slope=lambda x: (float(((x - middle) ** 2).sum()), 2 * (x - middle)),
         budget=60,
-        rng=np.random.default_rng(0),
     )
+    found = minimise(name, runs, np.random.default_rng(0))
     assert found.value < 0.05
     assert len(found.history) <= 60
     assert min(found.history) == found.value
@@ -136,16 +135,14 @@ def test_every_optimiser_lowers_a_bowl_within_its_budget(name):
 
 def test_a_search_can_be_interrupted_and_refuses_nan():
     calls = []
-    found = minimise(
-        "spsa", lambda x: float(x @ x), lambda x: (0.0, x), np.ones(3), budget=1000,
-        rng=np.random.default_rng(0), interrupted=lambda: calls.append(1) or len(calls) > 7,
+    rng = np.random.default_rng(0)
+    runs = Evaluations(
+        lambda x: float(x @ x), np.ones(3), budget=1000,
+        interrupted=lambda: calls.append(1) or len(calls) > 7,
     )  # fmt: skip
-    assert len(found.history) == 7
+    assert len(minimise("spsa", runs, rng).history) == 7
     with pytest.raises(BackendError, match="finite"):
-        minimise(
-            "spsa", lambda x: float("nan"), lambda x: (0.0, x), np.ones(1), budget=5,
-            rng=np.random.default_rng(0),
-        )  # fmt: skip
+        minimise("spsa", Evaluations(lambda x: float("nan"), np.ones(1), budget=5), rng)
 
 
 @pytest.mark.parametrize("alpha", [1.0, 0.2])
@@ -155,10 +152,8 @@ def test_nft_finds_the_best_of_a_full_turn(alpha):
     objective = ExactObjective(PlainEngine(ansatz.circuit), diagonal(form), alpha)
     start = ansatz.start(np.random.default_rng(1))
     size = ansatz.circuit.size
-    found = minimise(
-        "nft", objective.value, objective.slope, start, budget=2 * size + 1,
-        rng=np.random.default_rng(0), turns=objective.turns,
-    )  # fmt: skip
+    runs = Evaluations(objective.value, start, budget=2 * size + 1, turns=objective.turns)
+    found = minimise("nft", runs, np.random.default_rng(0))
     assert len(found.history) == 2 * size + 1
     # What it says without a run is what a run says, and no turn of the last angle does better.
     assert objective.value(found.parameters) == pytest.approx(found.value, abs=1e-9)

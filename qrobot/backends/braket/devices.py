@@ -6,14 +6,14 @@ The names are checked against `braket.devices.Devices` of amazon-braket-sdk 1.12
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 from qrobot._extras import load
 from qrobot.errors import BackendError, CredentialsError, InputError
+from qrobot.jobs import JobOptions
 from qrobot.jobs.credentials import SERVICES, presence
 from qrobot.jobs.redaction import mask_logs, register_secret
-from qrobot.jobs.retry import Backoff, with_retries
+from qrobot.jobs.retry import with_retries
 
 __all__ = [
     "DEVICES",
@@ -146,13 +146,7 @@ def session(region: str | None) -> Any:
     return _sdk("braket.aws").AwsSession(boto_session=own)
 
 
-def open_device(
-    arn: str,
-    options: dict[str, Any] | None = None,
-    *,
-    backoff: Backoff | None = None,
-    stop: Callable[[], bool] | None = None,
-) -> Any:
+def open_device(arn: str, options: dict[str, Any], limits: JobOptions) -> Any:
     """Return an ``AwsDevice`` that takes tasks.
 
     Parameters
@@ -161,7 +155,7 @@ def open_device(
         Of the device.
     options
         For ``AwsDevice``, such as ``aws_session``.
-    backoff, stop
+    limits
         Of the calls.
 
     Raises
@@ -175,13 +169,15 @@ def open_device(
     """
 
     def opening() -> Any:
-        given = dict(options or {})
+        given = dict(options)
         if given.get("aws_session") is None:
             given["aws_session"] = session(arn.split(":")[3])
         _hide(given["aws_session"])
         return _sdk("braket.aws").AwsDevice(arn, **given)
 
-    device = with_retries(opening, what=TITLE, backoff=backoff, stop=stop)
+    device = with_retries(
+        opening, what=TITLE, backoff=limits.backoff, stop=limits.interrupt_function
+    )
     check_status(device)
     return device
 

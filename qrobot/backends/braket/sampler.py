@@ -179,12 +179,7 @@ class _Braket(VariationalSampler):
         if isinstance(device, str):
             arn = arn_of(device)
             load("braket.aws", "Braket's managed devices")
-            device = open_device(
-                arn,
-                options.device_options,
-                backoff=job_options.backoff,
-                stop=job_options.interrupt_function,
-            )
+            device = open_device(arn, options.device_options, job_options)
         else:
             check_status(device)
         shots = int(options.num_reads)

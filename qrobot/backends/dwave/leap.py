@@ -9,7 +9,7 @@ import dimod
 import numpy as np
 
 from qrobot.backends.dwave.client import DWaveCloudSampler, answered, opened
-from qrobot.backends.sampler import Parameter
+from qrobot.backends.sampler import Parameter, samples_of_bits
 from qrobot.errors import InputError
 from qrobot.jobs import LIMITS, Answer, Estimate, Keep, RemoteJob
 
@@ -166,10 +166,8 @@ class LeapNLSampler(LeapBQMSampler):
         model.states.from_file(future.answer_data, check_header=False)
         rows = [np.asarray(decisions.state(k)) for k in range(model.states.size())]
         bits = np.asarray(rows, dtype=np.int8).reshape(len(rows), bqm.num_variables)
-        values = 2 * bits - 1 if bqm.vartype is dimod.SPIN else bits
         info = {"timing": dict(future.timing), "problem_id": job.remote_id}
-        samples = dimod.SampleSet.from_samples_bqm((values, list(bqm.variables)), bqm, info=info)
-        return answered(samples, future)
+        return answered(samples_of_bits(bqm, bits, info), future)
 
 
 def nonlinear_model(bqm: dimod.BinaryQuadraticModel) -> tuple[Any, Any]:

@@ -117,7 +117,7 @@ def _units(instance: Instance) -> list[int]:
 
 
 def _unions(units: list[int]) -> npt.NDArray[np.int64]:
-    """Return for each set of units its items, shape (2**len(units),)."""
+    """Return for each set of units what they have together, shape (2**len(units),)."""
     found = np.zeros(1, dtype=np.int64)
     for unit in units:
         found = np.concatenate([found, found | unit])
@@ -170,9 +170,7 @@ def _split(instance: Instance, capacities: Ints, units: list[int], tours: Ints) 
         [sum(int(weights[i]) for i in range(len(weights)) if s >> i & 1) for s in items.tolist()]
     )
     # Robots share the items, so only their ways back to the depot add to the bound of one tour.
-    room = tours.shape[1] + (len(fleet_of(instance, every_robot=True).capacities) - 1) * int(
-        instance.distances[0].max()
-    )
+    room = tours.shape[1] + (len(capacities) - 1) * int(instance.distances[0].max())
     size = 1 << room.bit_length()
     waves = np.fft.rfft(tours, size, axis=1)
     full = len(items) - 1
@@ -182,7 +180,7 @@ def _split(instance: Instance, capacities: Ints, units: list[int], tours: Ints) 
         last = p == len(capacities) - 1
         following = np.zeros_like(so_far)
         for whole in [full] if last else range(full + 1):
-            parts = _subsets(whole)
+            parts = _unions([1 << k for k in range(len(units)) if whole >> k & 1])
             parts = parts[fits[parts]]
             following[whole] = np.einsum("ij,ij->j", waves[parts], so_far[whole ^ parts])
         so_far = following
@@ -191,14 +189,3 @@ def _split(instance: Instance, capacities: Ints, units: list[int], tours: Ints) 
     if np.abs(found - counts).max() > 0.2 or counts.max(initial=0) > 2.0**50:
         raise BackendError("the counts are too large to be exact")
     return counts.astype(np.int64)
-
-
-def _subsets(whole: int) -> npt.NDArray[np.int64]:
-    """Return all subsets of a set of bits."""
-    found = np.zeros(1, dtype=np.int64)
-    bit = 1
-    while bit <= whole:
-        if whole & bit:
-            found = np.concatenate([found, found | bit])
-        bit <<= 1
-    return found

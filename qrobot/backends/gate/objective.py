@@ -8,7 +8,6 @@ reads, so a small alpha asks for what is wanted: some reads of least energy.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from qrobot.backends.gate.circuit import Circuit
 from qrobot.backends.gate.engine import Engine, StateEngine, shift
 from qrobot.backends.gate.form import Form, below, tail
 
-__all__ = ["ExactObjective", "Objective", "ShotObjective", "Tail", "tail_of_samples"]
+__all__ = ["ExactObjective", "ShotObjective", "Tail", "tail_of_samples"]
 
 
 class Tail:
@@ -55,23 +54,6 @@ def tail_of_samples(energies: Floats, alpha: float) -> tuple[float, float]:
     count = max(1, int(np.ceil(alpha * energies.size)))
     lowest = np.partition(energies, count - 1)[:count]
     return float(lowest.mean()), float(lowest.max())
-
-
-class Objective(Protocol):
-    """The objective as the optimisers see it."""
-
-    @property
-    def turns(self) -> Turns | None:
-        """What `nft` needs, where it can be had."""
-        ...
-
-    def value(self, parameters: Floats) -> float:
-        """Return the objective."""
-        ...
-
-    def slope(self, parameters: Floats) -> tuple[float, Floats]:
-        """Return the objective and its derivatives."""
-        ...
 
 
 class ExactObjective:

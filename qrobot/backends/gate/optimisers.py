@@ -70,7 +70,7 @@ class Evaluations:
     value
         The objective.
     start
-        What `found` has until something is evaluated.
+        First parameters, shape (m,): what `found` has until something is evaluated.
     budget
         Most evaluations.
     slope
@@ -139,27 +139,15 @@ class Evaluations:
         self.found.offer(point, reached)
 
 
-def minimise(
-    name: str,
-    value: Value,
-    slope: Slope,
-    start: Floats,
-    *,
-    budget: int,
-    rng: np.random.Generator,
-    turns: Turns | None = None,
-    interrupted: Callable[[], bool] | None = None,
-) -> Found:
-    """Minimise from `start`.
+def minimise(name: str, runs: Evaluations, rng: np.random.Generator) -> Found:
+    """Minimise from the start of `runs`.
 
     Parameters
     ----------
     name
-        One of `OPTIMISERS`.
-    value, slope, budget, turns, interrupted
-        As of `Evaluations`; `slope` is used by the optimisers in `GRADIENT`.
-    start
-        First parameters, shape (m,).
+        One of `OPTIMISERS`; those in `GRADIENT` use the gradient, ``nft`` the turns.
+    runs
+        The objective.
     rng
         Of SPSA's directions and NFT's sequence.
 
@@ -176,15 +164,14 @@ def minimise(
             field="optimizer",
             advice=f"use one of {', '.join(OPTIMISERS)}",
         )
-    if name == "nft" and turns is None:
+    if name == "nft" and runs.turns is None:
         raise InputError(
             "nft needs exact probabilities and an angle of its own for each parameter",
             field="optimizer",
             advice="use spsa, or the ansatz hardware without shots",
         )
-    with Evaluations(
-        value, start, budget=budget, slope=slope, turns=turns, interrupted=interrupted
-    ) as runs:
+    start = runs.found.parameters
+    with runs:
         OPTIMISERS[name if start.size else "none"](runs, start, rng)
     return runs.found
 

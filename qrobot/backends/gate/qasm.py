@@ -7,7 +7,7 @@ gates of its standard library are written, of one and two qubits.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -140,15 +140,11 @@ def export_circuit(
     found = sharpen(ansatz, layers, evaluations=EVALUATIONS, alphas=(1.0, 0.1))
     probabilities = ansatz.probabilities(np.array(found.gammas), np.array(found.betas))
     circuit = subspace_circuit(plans, mixer, found.gammas, found.betas)
-    facts = circuit_facts(circuit)
     optimal = plans.optimal
     report: dict[str, Any] = {
         "mixer": mixer,
         "layers": layers,
-        "qubits": facts.qubits,
-        "gates": facts.gates,
-        "two_qubit_gates": facts.two_qubit_gates,
-        "depth": facts.depth,
+        **asdict(circuit_facts(circuit)),
         "gammas": [float(gamma) for gamma in found.gammas],
         "betas": [float(beta) for beta in found.betas],
         "plans": plans.size,

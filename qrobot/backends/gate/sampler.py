@@ -24,6 +24,7 @@ from qrobot.backends.sampler import (
     check_finite,
     check_parameters,
     constant_samples,
+    samples_of_bits,
 )
 from qrobot.errors import BackendError, QRobotError, RemoteError
 from qrobot.jobs import LIMITS, Estimate, JobOptions, check_budget, redact, with_retries
@@ -200,10 +201,7 @@ class VariationalSampler(PickingSampler):
             )
         if isinstance(engine, StateEngine) and search.energies is not None:
             info |= ground(engine.probabilities(angles), search.energies)
-        values = bits if bqm.vartype is dimod.BINARY else 2 * bits - 1
-        return dimod.SampleSet.from_samples_bqm(
-            (values.astype(np.int8), list(search.form.variables)), bqm, info=info
-        )
+        return samples_of_bits(bqm, bits, info)
 
     def _prepared(
         self, bqm: Any, options: Options, job_options: JobOptions

@@ -13,8 +13,8 @@ from qrobot.backends.gate.algorithms import SWEEPS
 from qrobot.backends.gate.ansatz import ANSATZES, Ansatz
 from qrobot.backends.gate.engine import Engine, StateEngine
 from qrobot.backends.gate.form import Form, diagonal
-from qrobot.backends.gate.objective import ExactObjective, Objective, ShotObjective
-from qrobot.backends.gate.optimisers import GRADIENT, OPTIMISERS, Found, minimise
+from qrobot.backends.gate.objective import ExactObjective, ShotObjective
+from qrobot.backends.gate.optimisers import GRADIENT, OPTIMISERS, Evaluations, Found, minimise
 from qrobot.backends.gate.resources import few_threads
 from qrobot.backends.sampler import COMMON, Parameter
 from qrobot.errors import InputError
@@ -217,21 +217,18 @@ class ParameterSearch:
         # Here and not only around all: what the device loaded when it was made is held too.
         with few_threads(self.form.qubits):
             for start, stream in zip(self.starts, self._ways.spawn(len(self.starts)), strict=True):
-                found.join(
-                    minimise(
-                        self.optimizer,
-                        objective.value,
-                        objective.slope,
-                        start,
-                        budget=self._budget(self.optimizer),
-                        rng=np.random.default_rng(stream),
-                        turns=objective.turns if self.optimizer == "nft" else None,
-                        interrupted=options.interrupt_function,
-                    )
+                runs = Evaluations(
+                    objective.value,
+                    start,
+                    budget=self._budget(self.optimizer),
+                    slope=objective.slope,
+                    turns=objective.turns,
+                    interrupted=options.interrupt_function,
                 )
+                found.join(minimise(self.optimizer, runs, np.random.default_rng(stream)))
         return found
 
-    def _objective(self, trainer: Engine) -> Objective:
+    def _objective(self, trainer: Engine) -> ExactObjective | ShotObjective:
         if isinstance(trainer, StateEngine) and self.options.shots is None:
             self.energies = diagonal(self.form)
             return ExactObjective(trainer, self.energies, self.alpha)

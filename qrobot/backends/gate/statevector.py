@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any, ClassVar
 
-import dimod
 import numpy as np
 import numpy.typing as npt
 
@@ -15,6 +14,7 @@ from qrobot.backends.base import Capabilities
 from qrobot.backends.gate import resources
 from qrobot.backends.gate.form import Form, bits_of
 from qrobot.backends.gate.resources import few_threads
+from qrobot.backends.gate.search import lengths
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA
 from qrobot.backends.gate.tune import Tuning, tune
 from qrobot.backends.sampler import (
@@ -22,6 +22,7 @@ from qrobot.backends.sampler import (
     Parameter,
     PickingSampler,
     constant_samples,
+    samples_of_bits,
 )
 from qrobot.errors import InputError
 
@@ -142,9 +143,6 @@ class StatevectorSampler(PickingSampler):
             qaoa.run(found.gammas, found.betas)
         clock.append(time.perf_counter())
         indices = _drawn(qaoa, num_reads, np.random.default_rng(seed), interrupt_function)
-        samples = bits_of(indices, form.qubits)
-        if bqm.vartype is dimod.SPIN:
-            samples = 2 * samples - 1
         clock.append(time.perf_counter())
         info = _info(qaoa, found, clock)
         if len(indices) < num_reads:
@@ -152,7 +150,7 @@ class StatevectorSampler(PickingSampler):
                 f"the sampler's share of the time was up: the search for angles ended after "
                 f"{found.evaluations} runs, and {len(indices)} of {num_reads} reads were taken"
             )
-        return dimod.SampleSet.from_samples_bqm((samples, list(form.variables)), bqm, info=info)
+        return samples_of_bits(bqm, bits_of(indices, form.qubits), info)
 
 
 def _drawn(
@@ -172,7 +170,6 @@ def _drawn(
 
 
 def _info(qaoa: DiagonalQAOA, found: Tuning, clock: list[float]) -> dict[str, Any]:
-    steps = ("build", "search", "run", "sample")
     objective = qaoa.expectation() if qaoa.alpha == 1.0 else qaoa.cvar()
     return {
         "gammas": list(found.gammas),
@@ -186,5 +183,5 @@ def _info(qaoa: DiagonalQAOA, found: Tuning, clock: list[float]) -> dict[str, An
         "ground_probability_uniform": qaoa.ground.size / qaoa.diagonal.size,
         "qubits": qaoa.qubits,
         "engine": qaoa.engine.name,
-        "timing": {step: b - a for step, a, b in zip(steps, clock, clock[1:], strict=False)},
+        "timing": lengths(("build", "search", "run", "sample"), clock),
     }

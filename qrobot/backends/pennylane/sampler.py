@@ -21,7 +21,7 @@ from qrobot.backends.gate.engine import Engine, RemoteEngine, StateEngine, attem
 from qrobot.backends.gate.form import terms
 from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.gate.search import Options
-from qrobot.backends.sampler import Parameter
+from qrobot.backends.sampler import Parameter, samples_of_bits
 from qrobot.errors import InputError, MissingExtraError
 from qrobot.jobs import Estimate, JobOptions, redact_data, with_retries
 
@@ -83,11 +83,8 @@ class PluginEngine(RemoteEngine):
         if self._device is None:
             self._device = self._make(job_options)
         bits = self._device.samples(angles, shots, 0)
-        values = bits if self.bqm.vartype is dimod.BINARY else 2 * bits - 1
         info = redact_data((job_options.context or {}).get("info", {}))
-        return dimod.SampleSet.from_samples_bqm(
-            (values, list(self.bqm.variables)), self.bqm, info=info
-        )
+        return samples_of_bits(self.bqm, bits, info)
 
 
 def admitted(device: Any, options: Mapping[str, Any], job_options: JobOptions) -> Any:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, ClassVar
 
 from qrobot._extras import load
 from qrobot.errors import BackendError, CredentialsError
+from qrobot.jobs import JobOptions
 from qrobot.jobs.circuits import CircuitJobs, instant, samples_of
 from qrobot.jobs.credentials import require
 from qrobot.jobs.job import Answer, RemoteJob, State
-from qrobot.jobs.retry import Backoff, with_retries
+from qrobot.jobs.retry import with_retries
 
 __all__ = ["TITLE", "RuntimeJobs", "machine", "service"]
 
@@ -18,7 +18,7 @@ __all__ = ["TITLE", "RuntimeJobs", "machine", "service"]
 TITLE = "IBM Quantum"
 
 
-def service(backoff: Backoff | None = None, stop: Callable[[], bool] | None = None) -> Any:
+def service(limits: JobOptions | None = None) -> Any:
     """Return a ``QiskitRuntimeService`` from the SDK's own files and variables.
 
     Raises
@@ -28,6 +28,7 @@ def service(backoff: Backoff | None = None, stop: Callable[[], bool] | None = No
     RemoteError
         When the service cannot be reached.
     """
+    limits = limits or JobOptions()
     require("ibm")
     refused = ""
 
@@ -40,7 +41,9 @@ def service(backoff: Backoff | None = None, stop: Callable[[], bool] | None = No
             refused = type(error).__name__
             return None
 
-    found = with_retries(opening, what=TITLE, backoff=backoff, stop=stop)
+    found = with_retries(
+        opening, what=TITLE, backoff=limits.backoff, stop=limits.interrupt_function
+    )
     if found is None:
         raise CredentialsError(
             f"{TITLE} did not accept the account ({refused}: most often a wrong instance); save"
@@ -49,13 +52,7 @@ def service(backoff: Backoff | None = None, stop: Callable[[], bool] | None = No
     return found
 
 
-def machine(
-    name: str,
-    qubits: int,
-    *,
-    backoff: Backoff | None = None,
-    stop: Callable[[], bool] | None = None,
-) -> Any:
+def machine(name: str, qubits: int, limits: JobOptions) -> Any:
     """Return a backend of the user's account.
 
     Parameters
@@ -64,7 +61,7 @@ def machine(
         Its name; empty: the least busy one that is large enough.
     qubits
         That it must have.
-    backoff, stop
+    limits
         Of the calls.
 
     Raises
@@ -74,7 +71,7 @@ def machine(
     CredentialsError, RemoteError
         See `service`.
     """
-    opened = service(backoff, stop)
+    opened = service(limits)
 
     def asking() -> Any:
         try:
@@ -86,7 +83,7 @@ def machine(
                 return None
             raise
 
-    found = with_retries(asking, what=TITLE, backoff=backoff, stop=stop)
+    found = with_retries(asking, what=TITLE, backoff=limits.backoff, stop=limits.interrupt_function)
     if found is None:
         wanted = f"is named {name!r}" if name else f"has {qubits} qubits or more"
         raise BackendError(f"no machine of this {TITLE} account {wanted}")

@@ -185,9 +185,7 @@ def open_mode(device: Any, mode: Any, qubits: int, job_options: JobOptions) -> A
     _runtime()
     if mode is None:
         name = str(device).partition(":")[2]
-        mode = machine(
-            name, qubits, backoff=job_options.backoff, stop=job_options.interrupt_function
-        )
+        mode = machine(name, qubits, job_options)
     check_fit(mode, qubits)
     return mode
 
