@@ -91,7 +91,7 @@ def command(
 
         report = {"path": output} | export_model(instance, output, encoding, slack, penalties)
     if circuit is not None:
-        from qrobot.backends.gate.qasm import export_circuit
+        from qrobot.backends.gate.constrained import export_circuit
 
         report["circuit"] = {"path": circuit} | export_circuit(instance, circuit, mixer, layers)
     if as_json:

@@ -9,13 +9,19 @@ import numpy as np
 import pytest
 from oracles import paper_shaped
 
-from qrobot.backends.gate.circuit import Circuit, Gate, elementary
-from qrobot.backends.gate.constrained_circuits import (
+from qrobot.backends.gate.circuit import (
+    Circuit,
+    Gate,
+    circuit_facts,
+    elementary,
+    qasm,
+)
+from qrobot.backends.gate.constrained import (
+    export_circuit,
     subspace_circuit,
     two_level,
 )
 from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
-from qrobot.backends.gate.qasm import circuit_facts, export_circuit, qasm
 from qrobot.backends.gate.state.general import state
 from qrobot.backends.gate.state.subspace import SubspaceQAOA
 from qrobot.errors import InputError

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
-
 import dimod
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from qrobot.backends.gate import constrained
 from qrobot.backends.gate.resources import PARALLEL, few_threads
 from qrobot.backends.gate.sampler import VariationalSampler
 
@@ -88,15 +87,14 @@ def test_circuits_that_keep_the_plans_take_one_thread(
 
     from qrobot.backends import Stop, get
 
-    tune = importlib.import_module("qrobot.backends.gate.tune")  # the door's name is a function
     seen: list[set[int]] = []
-    sharpen = tune.sharpen
+    sharpen = constrained.sharpen
 
     def watched(*given, **named):
         seen.append(threads())
         return sharpen(*given, **named)
 
-    monkeypatch.setattr(tune, "sharpen", watched)
+    monkeypatch.setattr(constrained, "sharpen", watched)
     with threadpool_limits(limits=2):
         get(name).search(paper_shaped(3, 1, 0), stop=Stop(max_work=4))
     assert seen == [{1}]

@@ -5,13 +5,12 @@ samplers in the folders of the vendors build on `VariationalSampler`.
 """
 
 from qrobot.backends.gate.ansatz import Ansatz, make_ansatz, ramp
-from qrobot.backends.gate.circuit import Circuit, Gate
-from qrobot.backends.gate.constrained_circuits import subspace_circuit
+from qrobot.backends.gate.circuit import Circuit, CircuitFacts, Gate, circuit_facts, qasm
+from qrobot.backends.gate.constrained import subspace_circuit
 from qrobot.backends.gate.counting import Spectrum, spectrum
 from qrobot.backends.gate.engine import Engine, JobEngine, RemoteEngine, StateEngine
 from qrobot.backends.gate.feasible import FeasibleSet, feasible_set
 from qrobot.backends.gate.form import Form, Term, bits_of, diagonal, terms
-from qrobot.backends.gate.qasm import CircuitFacts, circuit_facts, qasm
 from qrobot.backends.gate.sampler import VariationalSampler
 from qrobot.backends.gate.search import Options
 from qrobot.backends.gate.state.diagonal import DiagonalQAOA

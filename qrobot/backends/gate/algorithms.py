@@ -1,6 +1,6 @@
-"""How the optimisers walk: each calls the objective until it has arrived, or a call raises.
+"""Algorithms of optimisers: each calls the objective until it has arrived, or a call raises.
 
-What is counted and kept, and what ends a walk early, is in `optimisers`. `nelder_mead` and `bfgs`
+What is counted and kept, and what ends a search early, is in `optimisers`. `nelder_mead` and `bfgs`
 search the few angles of `tune`, the same on every machine: scipy is not part of the base
 installation.
 """

@@ -10,6 +10,9 @@ silently drops some of them: a controlled rotation whose control lies inside the
 into a copy. So many controls are taken apart here: A. Barenco et al., "Elementary gates for
 quantum computation", Physical Review A 52 (1995) 3457, lemmas 7.2, 7.3 and 7.5. The number of
 gates grows with the square of the number of controls, and no qubit is added.
+
+`qasm` writes a circuit as OpenQASM 3 (A. Cross et al., "OpenQASM 3", ACM Transactions on Quantum
+Computing 3 (2022) 12), in gates of its standard library alone.
 """
 
 from __future__ import annotations
@@ -24,7 +27,16 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats
 
-__all__ = ["TURNING", "Circuit", "Gate", "elementary", "lowered"]
+__all__ = [
+    "TURNING",
+    "Circuit",
+    "CircuitFacts",
+    "Gate",
+    "circuit_facts",
+    "elementary",
+    "lowered",
+    "qasm",
+]
 
 
 TURNING = ("rx", "ry", "rz", "rzz", "phase")
@@ -246,3 +258,75 @@ def _ladder(controls: tuple[int, ...], target: int, lent: tuple[int, ...]) -> li
     once = [*down, turn, *reversed(down)]
     inner = [*down[1:], turn, *reversed(down[1:])]
     return [*once, *inner]
+
+
+QASM_NAMES = {"phase": "p"}
+QASM_CONTROLLED = {"x": "cx", "phase": "cp"}
+
+
+@dataclass(frozen=True, slots=True)
+class CircuitFacts:
+    """What a circuit costs in gates of one and two qubits, before any routing.
+
+    Parameters
+    ----------
+    qubits
+        Number of qubits.
+    gates, two_qubit_gates
+        How many gates, and how many of them act on two qubits.
+    depth
+        Layers of gates, each as early as its qubits are free.
+    """
+
+    qubits: int
+    gates: int
+    two_qubit_gates: int
+    depth: int
+
+
+def circuit_facts(circuit: Circuit) -> CircuitFacts:
+    """Return what a circuit costs in gates of one and two qubits."""
+    free = [0] * circuit.qubits
+    gates = elementary(circuit).gates
+    for gate in gates:
+        touched = (*gate.controls, *gate.qubits)
+        layer = 1 + max(free[q] for q in touched)
+        for q in touched:
+            free[q] = layer
+    pairs = sum(len(gate.controls) + len(gate.qubits) == 2 for gate in gates)
+    return CircuitFacts(circuit.qubits, len(gates), pairs, max(free, default=0))
+
+
+def qasm(circuit: Circuit, comment: str = "") -> str:
+    """Return a circuit without open parameters as an OpenQASM 3 program that measures every qubit.
+
+    Parameters
+    ----------
+    circuit
+        Its rotations have fixed angles.
+    comment
+        Lines that stand on top.
+
+    Raises
+    ------
+    ValueError
+        When an angle is still to be searched.
+    """
+    if circuit.rotations:
+        raise ValueError("a circuit with open parameters cannot be written: fix its angles first")
+    lines = [f"// {line}" for line in comment.splitlines()]
+    lines += ["OPENQASM 3.0;", 'include "stdgates.inc";', ""]
+    lines += [f"// q[{k}]: {label}" for k, label in enumerate(circuit.labels)]
+    lines += [f"qubit[{circuit.qubits}] q;", f"bit[{circuit.qubits}] c;"]
+    lines += [line for gate in elementary(circuit).gates for line in _statements(gate)]
+    return "\n".join([*lines, "c = measure q;"]) + "\n"
+
+
+def _statements(gate: Gate) -> list[str]:
+    name = QASM_CONTROLLED[gate.name] if gate.controls else QASM_NAMES.get(gate.name, gate.name)
+    qubits = [f"q[{q}]" for q in (*gate.controls, *gate.qubits)]
+    if name == "rzz":  # not in the standard library
+        flip = f"cx {qubits[0]}, {qubits[1]};"
+        return [flip, f"rz({gate.angle!r}) {qubits[1]};", flip]
+    angle = f"({float(gate.angle)!r})" if gate.name in TURNING else ""
+    return [f"{name}{angle} {', '.join(qubits)};"]

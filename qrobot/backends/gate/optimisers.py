@@ -1,6 +1,6 @@
 """Optimisers by name, each within a budget of evaluations and with one history.
 
-The walks are in `algorithms`; scipy, imported when asked for, has more. ``none`` looks at the first
+Our own are in `algorithms`; scipy, imported when asked for, has more. ``none`` looks at the first
 parameters only.
 """
 

@@ -79,7 +79,7 @@ class VariationalSampler(PickingSampler):
         MissingExtraError
             When the SDK is absent.
         BackendError
-            When there are too many qubits, or the device is no more.
+            When there are too many qubits, or the device was retired.
         """
 
     @abstractmethod

@@ -196,7 +196,7 @@ def backend_of(mode: Any) -> Any:
     Raises
     ------
     InputError
-        When it is none.
+        When it is something else.
     """
     backend = getattr(mode, "_backend", mode)  # sessions give only its name in public
     # Asked of the class: the attribute itself of a real machine asks the service.

@@ -3,7 +3,7 @@
 S. Hadfield et al., "From the quantum approximate optimization algorithm to a quantum
 alternating operator ansatz", Algorithms 12 (2019) 34; A. Baertschi and S. Eidenbenz, "Grover
 mixers for QAOA", IEEE QCE (2020) 72. Each mixer is one product of exponentials in a fixed order,
-the same here and in the circuits of `constrained_circuits`.
+the same here and in the circuits of `constrained`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ MIXERS = ("swap", "swap-all", "grover")
 
 
 def check_mixer(name: str) -> None:
-    """Refuse a name that is none of `MIXERS`."""
+    """Refuse a name that is not in `MIXERS`."""
     if name not in MIXERS:
         raise InputError(
             f"{name!r} is not a mixer", field="mixer", advice=f"use one of {', '.join(MIXERS)}"
