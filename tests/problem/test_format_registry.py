@@ -39,10 +39,8 @@ COPY = Format("the name of another file", ".copy", read=read_copy)
 def test_ours_are_registered_under_their_own_suffix(suffix: str) -> None:
     found = registry.formats_of(suffix)
     assert found
-    for format_, known in zip(found, _formats.BUILTIN[suffix], strict=True):
+    for format_ in found:
         assert format_.suffix == suffix
-        assert format_.name == known.name
-        assert format_.options == set(known.options)
         assert format_.options <= {"layout", "ignore_columns", "rounding"}
         assert len(found) == 1 or format_.recognise is not None
 

@@ -19,7 +19,7 @@ from qrobot.errors import InputError
 from qrobot.problem import Instance, Item, Node, Order, Place, Point, Slot
 from qrobot.problem.formats.cells import Line, read_lines
 from qrobot.problem.formats.native import Layout, read_layout
-from qrobot.problem.formats.registry import Format, ReadOptions, checked
+from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 
 __all__ = ["FORMAT", "read_csv"]
 
@@ -147,9 +147,4 @@ def _layout_of(orders: Path, given: StrPath | None) -> Layout:
         raise error.in_file(str(found)) from None
 
 
-FORMAT = Format(
-    "orders with a layout beside them",
-    ".csv",
-    read=read_csv,
-    options=frozenset({"layout", "ignore_columns"}),
-)
+FORMAT = builtin(__name__, read_csv)

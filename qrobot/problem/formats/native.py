@@ -32,7 +32,7 @@ from qrobot.problem import (
 from qrobot.problem.fleets import check_fleet_size
 from qrobot.problem.formats.fields import shown
 from qrobot.problem.formats.jsontext import dumps, loads, located
-from qrobot.problem.formats.registry import Format, ReadOptions, checked
+from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 from qrobot.problem.formats.schema import (
     SCHEMA,
     AislesModel,
@@ -348,4 +348,4 @@ def read_native(path: Path, _options: ReadOptions) -> Instance:
     return parse_native(read_text(path))
 
 
-FORMAT = Format("native", ".json", read=read_native, write=to_text)
+FORMAT = builtin(__name__, read_native, write=to_text)

@@ -31,7 +31,7 @@ from qrobot.problem import (
 )
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.formats.lines import Line, Lines
-from qrobot.problem.formats.registry import Format, ReadOptions, checked
+from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 from qrobot.problem.units import common_unit, exact
 
 __all__ = ["FORMAT", "read_briant"]
@@ -335,4 +335,4 @@ def _is_briant(start: str) -> bool:
     return re.match(r"\s*//\s*Nb", start, re.IGNORECASE) is not None
 
 
-FORMAT = Format("Briant", ".txt", read=_read, recognise=_is_briant)
+FORMAT = builtin(__name__, _read, recognise=_is_briant)

@@ -16,7 +16,7 @@ from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.formats.lines import Line, Lines
-from qrobot.problem.formats.registry import Format, ReadOptions, checked
+from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 
 __all__ = ["FORMAT", "read_hi"]
 
@@ -309,4 +309,4 @@ def _is_hi(start: str) -> bool:
     return re.search(r"^(ARTICLE_SECTION|NUM_(AISLES|CELLS)\s*:)", start, re.MULTILINE) is not None
 
 
-FORMAT = Format("HI", ".txt", read=_read, recognise=_is_hi)
+FORMAT = builtin(__name__, _read, recognise=_is_hi)

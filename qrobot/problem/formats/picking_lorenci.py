@@ -12,7 +12,7 @@ from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.formats.lines import Line, Lines
-from qrobot.problem.formats.registry import Format, ReadOptions, checked
+from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 
 __all__ = ["FORMAT", "read_lorenci"]
 
@@ -183,4 +183,4 @@ def _read(path: Path, options: ReadOptions) -> Instance:
     return read_lorenci(path, layout=options.layout, capacity=options.capacity)
 
 
-FORMAT = Format("Lorenci", ".ord", read=_read, options=frozenset({"layout"}))
+FORMAT = builtin(__name__, _read)

@@ -1,6 +1,6 @@
 """Which file formats exist, what each of them can, and which one a file has.
 
-A format of ours is one file that ends in ``FORMAT = Format(...)``, and one line in `BUILTIN` of
+A format of ours is one file that ends in ``FORMAT = builtin(...)``, and one line in `BUILTIN` of
 `qrobot/_formats.py`. Third parties add theirs by an entry point in the group ``qrobot.formats``
 whose value is a `Format`, or for one process by `register`.
 """
@@ -22,6 +22,7 @@ from qrobot.problem.instance import Instance
 __all__ = [
     "Format",
     "ReadOptions",
+    "builtin",
     "checked",
     "format_of",
     "formats_of",
@@ -73,6 +74,17 @@ class Format:
     write: Callable[[Instance], str] | None = None
     options: frozenset[str] = frozenset()
     recognise: Callable[[str], bool] | None = None
+
+
+def builtin(
+    module: str,
+    read: Callable[[Path, ReadOptions], Instance],
+    write: Callable[[Instance], str] | None = None,
+    recognise: Callable[[str], bool] | None = None,
+) -> Format:
+    """Return the format of one of our modules, as the table `BUILTIN` describes it."""
+    ((suffix, known),) = ((s, k) for s, all_ in BUILTIN.items() for k in all_ if k.module == module)
+    return Format(known.name, suffix, read, write, frozenset(known.options), recognise)
 
 
 _registered: dict[str, Format] = {}

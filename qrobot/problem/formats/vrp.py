@@ -26,7 +26,7 @@ from qrobot.problem import (
     Robot,
 )
 from qrobot.problem.checks import first_invisible, is_reference
-from qrobot.problem.formats.registry import Format, ReadOptions, checked
+from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 from qrobot.problem.formats.tsplib import Tsplib, parse
 from qrobot.problem.formats.vrp_places import ROUNDINGS, places_of
 from qrobot.problem.units import NUMBER, exact
@@ -318,4 +318,4 @@ def reference_beside(path: Path) -> tuple[list[float], tuple[str, ...]]:
     return known, tuple(notes)
 
 
-FORMAT = Format("CVRPLIB and QOBLIB", ".vrp", read=read_vrp, options=frozenset({"rounding"}))
+FORMAT = builtin(__name__, read_vrp)
