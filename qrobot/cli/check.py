@@ -6,7 +6,7 @@ import sys
 
 import click
 
-from qrobot.cli.options import FILE, Question, ReadingCommand, as_planned
+from qrobot.cli.options import FILE, Question, ReadingCommand, reading_options_of_plan
 from qrobot.cli.streams import show
 
 __all__ = ["command"]
@@ -15,7 +15,7 @@ __all__ = ["command"]
 @click.command("check", cls=ReadingCommand)
 @click.argument("plan", type=FILE)
 @click.argument("instance", type=FILE)
-@as_planned
+@reading_options_of_plan
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def command(plan: str, question: Question, as_json: bool) -> None:
     """Check a plan against its instance, without trusting any solver.

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, Question, ReadingCommand, asked_anew, written
+from qrobot.cli.options import FILE, Question, ReadingCommand, reading_options, written
 from qrobot.cli.streams import say, say_json
 
 __all__ = ["command"]
@@ -40,7 +40,7 @@ __all__ = ["command"]
     help="Mixer of the circuit: swap, swap-all or grover.",
 )
 @click.option("--layers", type=int, default=1, show_default=True, help="Layers of the circuit.")
-@asked_anew
+@reading_options
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def command(
     question: Question,

@@ -26,9 +26,9 @@ __all__ = [
     "ReadingCommand",
     "Robots",
     "Setting",
-    "as_planned",
-    "asked_anew",
     "objective",
+    "reading_options",
+    "reading_options_of_plan",
     "rounding",
     "settings_of",
     "written",
@@ -123,7 +123,9 @@ class Question:
         return read(self.path, **self.options)
 
 
-def question(robots: str, capacity: str, split_orders: str) -> Callable[[Function], Function]:
+def _reading_options(
+    robots: str, capacity: str, split_orders: str
+) -> Callable[[Function], Function]:
     """Return what adds the options of reading an instance, and hands them over as a `Question`.
 
     Parameters
@@ -158,14 +160,14 @@ def question(robots: str, capacity: str, split_orders: str) -> Callable[[Functio
     return add
 
 
-asked_anew = question(
+reading_options = _reading_options(
     "The first N robots (or more like them), or 'free': no limit.",
     "Capacity of every robot instead of the file's.",
     "Make each item an order of its own, as in the paper.",
 )
 """Options of a command that plans."""
 
-as_planned = question(
+reading_options_of_plan = _reading_options(
     "The number of robots that the plan was made with.",
     "The capacity that the plan was made with.",
     "The orders were allowed to be split.",

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from qrobot.cli.options import FILE, Question, ReadingCommand, as_planned, written
+from qrobot.cli.options import FILE, Question, ReadingCommand, reading_options_of_plan, written
 from qrobot.cli.streams import say, say_json
 from qrobot.errors import InputError
 
@@ -31,7 +31,7 @@ FORMATS = ("csv", "json", "html")
     type=click.Choice(["a4", "a5", "label"]),
     help="What the page is printed on; a label is 100 x 150 mm.  [default: a4]",
 )
-@as_planned
+@reading_options_of_plan
 @click.option("--json", "as_json", is_flag=True, help="Print the lists as JSON, nothing else.")
 def command(
     plan: str,

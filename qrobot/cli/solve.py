@@ -13,8 +13,8 @@ from qrobot.cli.options import (
     Question,
     ReadingCommand,
     Setting,
-    asked_anew,
     objective,
+    reading_options,
     settings_of,
 )
 from qrobot.cli.streams import say, say_json, show
@@ -45,7 +45,7 @@ __all__ = ["command"]
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
 @objective
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of every random choice.")
-@asked_anew
+@reading_options
 @click.option("--encoding", help="Sampler: full, reduced or compact.")
 @click.option("--slack", help="Sampler: exact or paper.")
 @click.option("--reads", type=int, help="Sampler: number of reads.")

@@ -1,6 +1,6 @@
 """More cores for long searches: other processes search too, with other seeds.
 
-Each helper is a process of its own (``python -m qrobot.planning.worker``) that reads the
+Each helper is a process of its own (`main` of this file) that reads the
 instance once and writes every better plan as a line. It ends at its deadline, when it is
 told to, or when its parent is gone, so nothing outlives an interrupted run for long.
 """
@@ -11,25 +11,31 @@ import json
 import os
 import pickle
 import subprocess
+import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import IO, Any
 
+from qrobot._json import json_text
 from qrobot._machine import usable_cores
-from qrobot._processes import child_environment, python_command
-from qrobot.backends import Routes
+from qrobot._processes import child_environment, end_with_parent, python_command
+from qrobot.backends import Routes, Stop
+from qrobot.backends.registry import get_planner
 from qrobot.problem import Instance
 
-__all__ = ["Crew", "spare_cores"]
+__all__ = ["Crew", "main", "spare_cores"]
 
 MOST = 3
 """More helpers than this find little more, and a Pi's memory bus is narrow."""
 
 DELIVERY = 0.2
 """Seconds between looks at what helpers have found."""
+
+NICENESS = 5
+"""Helpers give way to the process that started them."""
 
 
 def spare_cores() -> int:
@@ -80,7 +86,7 @@ class Crew:
         self._readers: list[threading.Thread] = []
         for h in range(helpers):
             process = subprocess.Popen(
-                python_command("qrobot.planning.worker"),
+                python_command("qrobot.planning.crew"),
                 env=child_environment(),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
@@ -150,3 +156,27 @@ def _talk(to: IO[bytes], back: IO[bytes], task: bytes, latest: deque[bytes]) -> 
                 latest.append(line)
     except (OSError, ValueError):
         return  # a helper that died costs its plans, nothing else
+
+
+def main() -> None:
+    """Help a `Crew`: read a task, write better plans as lines, until the limits are reached.
+
+    The pipes are those of the process that started this one; nobody else can reach them.
+    """
+    end_with_parent()
+    source = sys.stdin.buffer
+    instance, backend, end, max_work, aim = pickle.load(source)  # noqa: S301 - our parent's
+    seed = pickle.load(source)  # noqa: S301
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
+    stop = Stop(None if end is None else max(end - time.monotonic(), 0.0), max_work)
+
+    def tell(routes: Sequence[Sequence[int]], _cost: float) -> None:
+        sys.stdout.write(json_text([list(map(int, route)) for route in routes]) + "\n")
+        sys.stdout.flush()
+
+    get_planner(backend).search(instance, stop=stop, seed=seed, on_best=tell, **aim)
+
+
+if __name__ == "__main__":
+    main()

@@ -57,7 +57,7 @@ class Map:
     scale
         Inches of a metre.
     labels
-        Who sees to it that no text covers another.
+        Keeps texts from covering each other.
     prefix
         Before the ids of what is drawn.
     """
