@@ -53,14 +53,13 @@ def figure(name: str, title: str, rows: Sequence[Bar]) -> str:
 def folded(table: re.Match[str]) -> str:
     """Return a table below a line that opens it."""
     lines = table[0].splitlines()
-    return "\n".join(
-        [
-            f'??? abstract "Table of {len(lines) - 2} rows"',
-            "",
-            *(f"    {line}" for line in lines),
-            "",
-        ]
-    )
+    inside = [f"    {line}" for line in lines]
+    return "\n".join([f'??? abstract "Table of {len(lines) - 2} rows"', "", *inside, ""])
+
+
+def bar(name: str, value: float, digits: int) -> Bar:
+    """Return a bar that shows its value with some digits."""
+    return Bar(name, (value,), f"{value:.{digits}f}")
 
 
 # --- what the charts show -------------------------------------------------------------------------
@@ -72,23 +71,21 @@ def startup(result: dict[str, Any]) -> Rows:
         ("import qrobot", "import_seconds"),
         ("qrobot --help", "help_seconds"),
     ):
-        yield Bar(name, (1000 * result[key],), f"{1000 * result[key]:.0f}")
+        yield bar(name, 1000 * result[key], 0)
 
 
 def paper(result: dict[str, Any]) -> Rows:
     rows = sorted(result["rows"], key=lambda row: row["items"])
     for items, group in groupby(rows, key=lambda row: row["items"]):
         seconds = median(row["seconds"] for row in group)
-        yield Bar(f"{items} items", (1000 * seconds,), f"{1000 * seconds:.1f}")
+        yield bar(f"{items} items", 1000 * seconds, 1)
 
 
 def raw(result: dict[str, Any]) -> Rows:
     for row in result["rows"]:
         if row["robots"] == 1 and row["encoding"] == "compact" and row["where"] == "aisles":
             for who, key in (("neal", "optimal"), ("random", "control_optimal")):
-                yield Bar(
-                    f"{row['items']} items, {who}", (100 * row[key],), f"{100 * row[key]:.0f}"
-                )
+                yield bar(f"{row['items']} items, {who}", 100 * row[key], 0)
 
 
 def gates(result: dict[str, Any]) -> Rows:
@@ -101,14 +98,14 @@ def gates(result: dict[str, Any]) -> Rows:
         if row["items"] == 7 and row["robots"] == 1:
             name = f"{row['method']}, p = {row['layers']}"
             for who, key in ((name, "probability"), (f"{name}, random", "uniform")):
-                yield Bar(who, (seen(row[key]),), f"{seen(row[key]):.3f}")
+                yield bar(who, seen(row[key]), 3)
 
 
 def vqe(result: dict[str, Any]) -> Rows:
     rows = sorted(result["rows"], key=lambda row: (row["sdk"], row["items"]))
     for (sdk, items), group in groupby(rows, key=lambda row: (row["sdk"], row["items"])):
         share = median(row["raw"] for row in group)
-        yield Bar(f"{sdk}, {items} items", (100 * share,), f"{100 * share:.1f}")
+        yield bar(f"{sdk}, {items} items", 100 * share, 1)
 
 
 def layer(result: dict[str, Any]) -> Rows:
@@ -116,25 +113,24 @@ def layer(result: dict[str, Any]) -> Rows:
         if (row["qubits"], row["precision"]) == (24, "double"):
             for name, times in row.items():
                 if isinstance(times, dict):
-                    yield Bar(name, (times["cpu"],), f"{times['cpu']:.2f}")
+                    yield bar(name, times["cpu"], 2)
 
 
 def plans(result: dict[str, Any]) -> Rows:
     for row in result["rows"]:
         if row["robots"] == 3 and row["items"] == 5:
-            yield Bar(row["backend"], (100 * row["feasible"],), f"{100 * row['feasible']:.1f}")
+            yield bar(row["backend"], 100 * row["feasible"], 1)
 
 
 def gaps(result: dict[str, Any]) -> Rows:
     for row in result["rows"]:
         if row["backend"] == "auto":
-            gap = 100 * (row["gap"] or 0.0)
-            yield Bar(row["instance"], (gap,), f"{gap:.2f}")
+            yield bar(row["instance"], 100 * (row["gap"] or 0.0), 2)
 
 
 def seconds(result: dict[str, Any]) -> Rows:
     for row in result["rows"]:
-        yield Bar(row["instance"], (row["seconds"],), f"{row['seconds']:.2f}")
+        yield bar(row["instance"], row["seconds"], 2)
 
 
 CHARTS: dict[str, tuple[str, str, Callable[[dict[str, Any]], Rows]]] = {

@@ -63,19 +63,13 @@ def backend_table(rows: list[dict[str, Any]]) -> str:
     heads = ["backend", "kind", "where", "installed", "repeatable", "proves", "whole orders"]
     lines = []
     for row in rows:
-        if "kind" not in row:
-            how = f": {install_command(row['extra'])}" if row.get("extra") else ""
-            lines.append([row["name"], "-", "-", f"no{how}", "-", "-", "-"])
-            continue
-        lines.append(
-            [
-                row["name"],
-                row["kind"],
-                "local" if row["local"] else "remote",
-                "yes" if row["installed"] else f"no: {install_command(row['extra'])}",
-                "yes" if row["deterministic"] else "no",
-                "yes" if row["proves"] else "no",
-                "yes" if row["whole_orders"] else "no",
-            ]
-        )
+        installed = "yes" if row["installed"] else "no"
+        if not row["installed"] and row.get("extra"):
+            installed = f"no: {install_command(row['extra'])}"
+        where, facts = "-", ["-"] * 3
+        if "kind" in row:
+            where = "local" if row["local"] else "remote"
+            flags = (row["deterministic"], row["proves"], row["whole_orders"])
+            facts = ["yes" if flag else "no" for flag in flags]
+        lines.append([row["name"], row.get("kind", "-"), where, installed, *facts])
     return columns(heads, lines)
