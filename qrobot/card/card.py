@@ -112,7 +112,7 @@ def write_card(
 def _of_another_seed(place: Path, texts: Mapping[str, str]) -> list[Path]:
     """Return files that a first boot may read too: they hold somebody's password or Wi-Fi key."""
     found = [place / name for name in (*trixie.NAMES, *bookworm.NAMES) if name not in texts]
-    return [path for path in found if not _stock(_read(path) or b"")]
+    return [path for path in found if not _is_stock(_read(path) or b"")]
 
 
 def _remove(path: Path) -> None:
@@ -134,7 +134,7 @@ def _refuse_to_replace(place: Path, texts: Mapping[str, str], others: list[Path]
         )
     for name, text in texts.items():
         there = _read(place / name)
-        if there is not None and there != text.encode() and not _stock(there):
+        if there is not None and there != text.encode() and not _is_stock(there):
             raise InputError(
                 "holds other settings already",
                 source=str(place / name),
@@ -159,7 +159,7 @@ def _read(path: Path) -> bytes | None:
         ) from None
 
 
-def _stock(data: bytes) -> bool:
+def _is_stock(data: bytes) -> bool:
     lines = [line.strip() for line in data.decode("utf-8", "replace").splitlines()]
     return {line for line in lines if line and not line.startswith("#")} <= _STOCK
 
@@ -179,7 +179,7 @@ def _write(path: Path, text: str) -> bool:
     return True
 
 
-def _image(place: Path) -> str | None:
+def _release_on(place: Path) -> str | None:
     """Return the release of the image by what it brought; none when a seed has replaced that."""
     brought = _read(place / "meta-data")
     if brought is None:
@@ -194,7 +194,7 @@ def _warnings(place: Path, release: str) -> list[str]:
         found.append(
             f"{place} has no config.txt and no cmdline.txt: it is not the boot partition of a Pi"
         )
-    elif (_image(place) or release) != release:
+    elif (_release_on(place) or release) != release:
         other = "bookworm" if release == "trixie" else "trixie"
         found.append(
             f"{place} looks like a card of {other}, whose first boot reads other files;"

@@ -13,7 +13,7 @@ SCHEMA = "qrobot.health/1"
 Status = Literal["pass", "fail", "absent", "error"]
 """Right, wrong, not installed, or no answer at all (it crashed, hung, took too much memory)."""
 
-Standing = Literal["good", "warning", "fault", "unknown"]
+FindingStatus = Literal["good", "warning", "fault", "unknown"]
 """Fine; worth a look; qRobot cannot work here; could not be told."""
 
 Value = bool | int | float | str | tuple[str, ...] | None
@@ -96,7 +96,7 @@ class Finding:
 
     name: str
     title: str
-    status: Standing
+    status: FindingStatus
     value: Value
     message: str
     unit: str | None = None

@@ -163,7 +163,7 @@ class Process:
         self.peak = 0.0
         self.overrun = ""
         self.starved = False
-        self._noise = self._lines = b""
+        self._errors = self._lines = b""
         self._mark = folder.name
         self._kills = _out_of_memory_kills()
         reader, writer = os.pipe()
@@ -194,8 +194,8 @@ class Process:
         begun = due = time.monotonic()
         try:
             while self.process.poll() is None and not stop.is_set():
-                self._drain()
-                self._listen()
+                self._read_errors()
+                self._read_progress()
                 if (look := time.monotonic()) >= due:
                     self.peak = max(self.peak, resident_memory(self.process.pid))
                     now = time.monotonic()
@@ -208,23 +208,23 @@ class Process:
             end_family(self.process.pid, MARK, self._mark)
             code = self.process.wait()
             self.starved = _out_of_memory_kills() > self._kills
-            self._drain()
-            self._listen()
+            self._read_errors()
+            self._read_progress()
             assert self.process.stderr is not None
             self.process.stderr.close()
             os.close(self._reader)
         return code
 
-    def last_words(self) -> str:
+    def last_error_line(self) -> str:
         """Return the last line of the standard error stream."""
-        lines = self._noise.decode(errors="replace").strip().splitlines()
+        lines = self._errors.decode(errors="replace").strip().splitlines()
         return lines[-1].strip()[:500] if lines else ""
 
-    def _drain(self) -> None:
+    def _read_errors(self) -> None:
         for chunk in _waiting(self._stderr):
-            self._noise = (self._noise + chunk)[-4096:]
+            self._errors = (self._errors + chunk)[-4096:]
 
-    def _listen(self) -> None:
+    def _read_progress(self) -> None:
         self._lines += b"".join(_waiting(self._reader))
         *lines, self._lines = self._lines.split(b"\n")
         for line in lines:

@@ -27,7 +27,7 @@ DIGITS, LARGEST = 18, 1e100
 ADVICE = "give a file that qrobot health --output wrote"
 
 
-class Clockwork:
+class Stopwatch:
     """When a run began, by the calendar and by a clock that is never set."""
 
     def __init__(self) -> None:
@@ -43,12 +43,12 @@ def make_report(
     results: Sequence[CheckResult],
     findings: Sequence[Finding] = (),
     *,
-    clock: Clockwork | None = None,
+    clock: Stopwatch | None = None,
     profile: str = "all",
     required: bool = False,
 ) -> Report:
     """Return what was found, with who found it, when and where; `clock` began with the run."""
-    clock = clock or Clockwork()
+    clock = clock or Stopwatch()
     machine = Machine()
     return Report(
         qrobot=__version__,
@@ -83,7 +83,9 @@ def read_report(path: StrPath) -> Report:
         return InputError(problem, source=str(path), field=field, advice=advice)
 
     try:
-        data = json.loads(text, parse_int=_whole, parse_float=_finite, parse_constant=_finite)
+        data = json.loads(
+            text, parse_int=_read_int, parse_float=_read_float, parse_constant=_read_float
+        )
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}"
         raise refused(f"is not JSON: {error.msg}", where) from None
@@ -91,7 +93,7 @@ def read_report(path: StrPath) -> Report:
         raise refused("is not a report") from None
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
-        raise refused(_strange(schema), "schema", _update(schema))
+        raise refused(_wrong_schema(schema), "schema", _schema_advice(schema))
     try:
         found: Report = _adapter().validate_json(text, strict=True)
     except ValidationError as error:
@@ -110,33 +112,33 @@ def read_report(path: StrPath) -> Report:
     return found
 
 
-def _whole(text: str) -> int:
+def _read_int(text: str) -> int:
     if len(text.lstrip("-")) > DIGITS:
         raise ValueError
     return int(text)
 
 
-def _finite(text: str) -> float:
+def _read_float(text: str) -> float:
     number = float(text)
     if not abs(number) <= LARGEST:  # nor NaN
         raise ValueError
     return number
 
 
-def _number(schema: object) -> int | None:
+def _schema_number(schema: object) -> int | None:
     name, _, number = str(schema).partition("/")
     own = SCHEMA.partition("/")[0]
     return int(number) if name == own and number.isdecimal() and len(number) < 9 else None
 
 
-def _strange(schema: object) -> str:
-    if _number(schema) is not None:
+def _wrong_schema(schema: object) -> str:
+    if _schema_number(schema) is not None:
         return f"{schema} is not {SCHEMA}, which this qRobot reads"
     return f"is not a report of qrobot health (this field must be {SCHEMA!r})"
 
 
-def _update(schema: object) -> str:
-    newer = (_number(schema) or 0) > (_number(SCHEMA) or 0)
+def _schema_advice(schema: object) -> str:
+    newer = (_schema_number(schema) or 0) > (_schema_number(SCHEMA) or 0)
     return "update qRobot, or make the report anew with this one" if newer else ADVICE
 
 

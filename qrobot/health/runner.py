@@ -129,7 +129,7 @@ def _why(process: Process, code: int) -> str:
         return f"{phase} was ended by SIGKILL ({reason})"
     if code < 0:
         return f"{phase} was ended by {name_signal(-code)}"
-    words = process.last_words()
+    words = process.last_error_line()
     return f"{phase} ended the process with code {code}{f': {words}' if words else ''}"
 
 

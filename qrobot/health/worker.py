@@ -22,36 +22,36 @@ from qrobot._processes import end_with_parent
 
 
 def main() -> None:
-    """Import the stack, compute, and tell both."""
+    """Import the stack, compute, and report both."""
     module, pipe = sys.argv[1], int(sys.argv[2])
 
-    def tell(**data: Any) -> None:
+    def report(**data: Any) -> None:
         os.write(pipe, json_text(data).encode() + b"\n")
 
-    _behave()
+    _prepare_process()
     try:
         check = importlib.import_module(module).CHECK
         begun = time.perf_counter()
         for name in check.imports:
             importlib.import_module(name)
-        tell(import_seconds=time.perf_counter() - begun)
+        report(import_seconds=time.perf_counter() - begun)
         begun = time.perf_counter()
         answer = check.answer()
-        tell(
+        report(
             run_seconds=time.perf_counter() - begun,
             answer=list(map(repr, answer)),
             peak_mb=peak_memory() / 2**20,
         )
-        tell(expected=check.expected())
+        report(expected=check.expected())
     except MemoryError:
-        tell(error="out of memory")
+        report(error="out of memory")
     except Exception as error:
         text = " ".join(str(error).split())
-        wheel = unfit(error)
-        tell(error=f"{type(error).__name__}: {text}"[:2000] + (f" ({wheel})" if wheel else ""))
+        fault = file_fault(error)
+        report(error=f"{type(error).__name__}: {text}"[:2000] + (f" ({fault})" if fault else ""))
 
 
-def _behave() -> None:
+def _prepare_process() -> None:
     """Leave no core dump, die with the runner, and be the first that a full machine kills.
 
     An emulator or a container may know or allow none of it; then the check runs without.
@@ -67,7 +67,7 @@ MACHINES = {3: "i686", 40: "armv7l", 62: "x86_64", 183: "aarch64", 243: "riscv64
 """Numbers of machines in the ELF header (``elf.h``), by the names that `platform` gives."""
 
 
-def unfit(error: BaseException | None) -> str:
+def file_fault(error: BaseException | None) -> str:
     """Say what is wrong with the file of a failed import, or ``""`` when it is not the file.
 
     The loader's own words hide it: of a library for another machine it says that there is no file.
@@ -79,14 +79,14 @@ def unfit(error: BaseException | None) -> str:
     """
     while error is not None:
         if isinstance(error, ImportError) and error.path and sys.platform == "linux":
-            found = _look(Path(error.path))
+            found = _fault_of(Path(error.path))
             if found:
                 return found
         error = error.__cause__ or error.__context__
     return ""
 
 
-def _look(path: Path) -> str:
+def _fault_of(path: Path) -> str:
     if ".so" not in path.suffixes:
         return ""
     try:

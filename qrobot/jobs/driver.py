@@ -11,7 +11,7 @@ from qrobot.jobs.cost import check_budget
 from qrobot.jobs.job import Answer, Estimate, JobOptions, RemoteJob, RemoteService, pack_model
 from qrobot.jobs.redaction import redact
 from qrobot.jobs.retry import Kind, classify, with_retries
-from qrobot.jobs.samples import breakdown, empty, tell
+from qrobot.jobs.samples import add_job, breakdown, empty
 from qrobot.jobs.store import JobStore
 
 if TYPE_CHECKING:
@@ -224,7 +224,7 @@ def fetch_job(
         solved=answer.solved,
     )
     samples = answer.samples
-    tell(samples, job)
+    add_job(samples, job)
     store.update(job)
     store.keep_answer(job, samples)
     return samples

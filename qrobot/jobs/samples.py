@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import dimod
 
 
-def tell(samples: dimod.SampleSet, job: RemoteJob) -> dimod.SampleSet:
+def add_job(samples: dimod.SampleSet, job: RemoteJob) -> dimod.SampleSet:
     """Put what is known about a job into the info of its samples; return them."""
     info = redact_data(json_data(samples.info))
     samples.info.clear()

@@ -147,7 +147,7 @@ def run(
     from qrobot.cli.health.reports import show_report
     from qrobot.cli.signals import exit_on_signals
     from qrobot.health import Limits, choose, make_report, read_report, system_findings
-    from qrobot.health.record import Clockwork, schema_text
+    from qrobot.health.record import Stopwatch, schema_text
     from qrobot.health.reports import compare, document, save
 
     if schema:
@@ -181,7 +181,7 @@ def run(
         prepare(notebooks, checks)
     click.get_current_context().with_resource(exit_on_signals())
     limits = Limits(seconds=timeout, megabytes=memory)
-    clock = Clockwork()
+    clock = Stopwatch()
     findings = [] if no_system else system_findings(network=network)
     results, troubles = _results(checks, limits, jobs, notebooks)
     report = make_report(

@@ -20,8 +20,8 @@ def answer() -> list[float]:
         | hybrid.TabuSubproblemSampler(timeout=20)
         | hybrid.SplatComposer()
     )
-    whole = hybrid.TabuProblemSampler(timeout=100)
-    workflow = hybrid.Loop(hybrid.Parallel(part, whole) | hybrid.ArgMin(), max_iter=3)
+    all_spins = hybrid.TabuProblemSampler(timeout=100)
+    workflow = hybrid.Loop(hybrid.Parallel(part, all_spins) | hybrid.ArgMin(), max_iter=3)
     # The best of all turns: on a busy machine tabu's time may be over before it began.
     alone = hybrid.Loop(part | hybrid.TrackMin(output=True), max_iter=TURNS)
     start = hybrid.State.from_sample(dict.fromkeys(range(len(known.FIELDS)), 1), known.model())

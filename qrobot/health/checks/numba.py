@@ -11,11 +11,11 @@ def answer() -> list[float]:
 
     @numba.njit  # type: ignore[untyped-decorator]
     def sums(count: int) -> tuple[float, float]:
-        whole = broken = 0.0
+        squares = roots = 0.0
         for k in range(count):
-            whole += k * k
-            broken += (k**0.5) ** 2
-        return whole, broken
+            squares += k * k
+            roots += (k**0.5) ** 2
+        return squares, roots
 
     return list(sums(COUNT))
 

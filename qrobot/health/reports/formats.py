@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from qrobot._files import StrPath, write_bytes_atomic, write_text_atomic
 from qrobot._json import json_text
 from qrobot.errors import InputError
-from qrobot.health.model import CheckResult, Finding, Report, Standing, Status
+from qrobot.health.model import CheckResult, Finding, FindingStatus, Report, Status
 from qrobot.health.reports.compare import Comparison
 from qrobot.health.reports.fleet import FleetHealth
 from qrobot.health.reports.summary import (
@@ -300,7 +300,7 @@ def _machine(report: Report, gauge: Callable[..., Gauge]) -> None:
         return
     status = gauge("finding_status", "1 for the status that holds.", "finding", "status")
     for finding in report.system:
-        for one in get_args(Standing):
+        for one in get_args(FindingStatus):
             status.labels(finding.name, one).set(finding.status == one)
     for name, (metric, text, factor) in GAUGES.items():
         found = report.finding(name)
