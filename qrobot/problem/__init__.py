@@ -1,7 +1,7 @@
 """What is asked: warehouse, items, orders, robots; distances; readers and writers."""
 
 from qrobot.problem.aisles import AisleWarehouse
-from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.entities import Item, Order, Robot, Stock
 from qrobot.problem.floor import OpenFloor
 from qrobot.problem.instance import Instance
 from qrobot.problem.table import DistanceTable
@@ -22,5 +22,6 @@ __all__ = [
     "Point",
     "Robot",
     "Slot",
+    "Stock",
     "Warehouse",
 ]

@@ -1,4 +1,4 @@
-"""What is collected and who collects: items, orders, robots."""
+"""What is collected, where else it lies, and who collects: items, orders, stock, robots."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from qrobot.problem.checks import canonical
 from qrobot.problem.units import Quantity, exact
 from qrobot.problem.warehouse import Place
 
-__all__ = ["Item", "Order", "Robot"]
+__all__ = ["Item", "Order", "Robot", "Stock"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +93,29 @@ class Order:
             )
         object.__setattr__(self, "id", canonical(self.id))
         object.__setattr__(self, "items", tuple(map(canonical, self.items)))
+
+
+@dataclass(frozen=True, slots=True)
+class Stock:
+    """The pieces of an article that lie in one place.
+
+    Parameters
+    ----------
+    article
+        Name of the article, as items have it.
+    place
+        Where the pieces lie.
+    quantity
+        How many there are.
+    """
+
+    article: str
+    place: Place
+    quantity: int
+
+    def __post_init__(self) -> None:
+        """Keep the name's composed form."""
+        object.__setattr__(self, "article", canonical(self.article))
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,18 +20,21 @@ import numpy.typing as npt
 from qrobot._notebook import html_table, shown_name
 from qrobot.errors import InputError
 from qrobot.problem.checks import check_reference
-from qrobot.problem.entities import Item, Order, Robot
+from qrobot.problem.entities import Item, Order, Robot, Stock
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.table import unreachable
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
 from qrobot.problem.useful import insert_orders, outlying, useful_limit
-from qrobot.problem.validity import check_entities, some
+from qrobot.problem.validity import check_entities, check_stock, some
 from qrobot.problem.warehouse import Place, Warehouse
 
 __all__ = ["Instance"]
 
 MARKED = 10.0
 """Ways this many times longer than any useful one mark something; models take them for less."""
+
+
+ELSEWHERE = "articles lie in several places: items are taken from their own, others are not tried"
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,6 +58,10 @@ class Instance:
         question.
     remarks
         What the reader of a file passed over or took for granted, one sentence each.
+    stock
+        Articles that lie in several places, and how many pieces in each: an item of such an
+        article may be taken from any of them. Its own place is a first choice, which the stock
+        has enough pieces for.
 
     Raises
     ------
@@ -72,10 +79,12 @@ class Instance:
     reference: float | None = None
     split: bool = field(default=False)
     remarks: tuple[str, ...] = field(default=(), compare=False)
+    stock: tuple[Stock, ...] = ()
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without distances."""
         check_entities(self.warehouse, self.items, self.orders, self.robots)
+        check_stock(self.warehouse, self.items, self.stock)
         if self.reference is not None:
             check_reference(self.reference)
 
@@ -113,6 +122,16 @@ class Instance:
     def places(self) -> tuple[Place, ...]:
         """The different places that items lie in, in the sequence of the items."""
         return tuple(dict.fromkeys(item.place for item in self.items))
+
+    @cached_property
+    def demand(self) -> dict[str, int]:
+        """Pieces that all orders together ask of each article that has a stock."""
+        known = {one.article for one in self.stock}
+        asked = Counter[str]()
+        for item in self.items:
+            if item.article in known:
+                asked[item.article] += item.quantity
+        return dict(asked)
 
     @cached_property
     def place_of_node(self) -> npt.NDArray[np.intp]:
@@ -311,11 +330,13 @@ class Instance:
         """Facts about the input that its plans depend on, one sentence each."""
         if not self.items:
             return self.remarks
+        elsewhere = (ELSEWHERE,) if self.stock else ()
         d = self.place_distances
         first = np.unique(self.place_of_node, return_index=True)[1].tolist()
         names = [self.node_name(node) for node in first]
         return (
             self.remarks
+            + elsewhere
             + outlying(d, names, self.longest_useful)
             + self.warehouse.notes(d, self.places, names)
         )

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from qrobot.errors import InputError
 from qrobot.problem.checks import first_invisible
-from qrobot.problem.entities import Item, Order, Robot
-from qrobot.problem.warehouse import Warehouse
+from qrobot.problem.entities import Item, Order, Robot, Stock
+from qrobot.problem.warehouse import Place, Warehouse
 
-__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "check_robots", "some"]
+__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "check_robots", "check_stock", "some"]
 
 MAX_ITEMS = 20_000
 """More items than this are refused: plan them in waves."""
@@ -109,6 +109,58 @@ def check_robots(robots: Sequence[Robot]) -> None:
                 field=f"robots[{i}].trips",
                 advice="use 1 or more, or remove the robot",
             )
+
+
+def check_stock(warehouse: Warehouse, items: Sequence[Item], stock: Sequence[Stock]) -> None:
+    """Check where articles lie, and that there is enough of them.
+
+    Raises
+    ------
+    InputError
+        When a place is outside the warehouse or given twice for an article, or when items ask
+        for more pieces than an article has, or than lie in their place.
+    """
+    left: dict[tuple[str, Place], int] = {}
+    total: dict[str, int] = {}
+    for i, one in enumerate(stock):
+        try:
+            warehouse.check(one.place)
+        except InputError as error:
+            path = f"stock[{i}].at" + (f".{error.field}" if error.field else "")
+            raise InputError(
+                f"{error.problem} (article {one.article!r})", field=path, advice=error.advice
+            ) from None
+        if not one.article or one.quantity < 1 or (one.article, one.place) in left:
+            problem, advice = f"{one.quantity} pieces are too few", "use 1 or more, or remove it"
+            if not one.article:
+                problem, advice = "an article without a name", "name it as items do"
+            elif one.quantity >= 1:
+                problem = f"article {one.article!r} is in {one.place} twice"
+                advice = "give one quantity"
+            raise InputError(problem, field=f"stock[{i}]", advice=advice)
+        left[one.article, one.place] = one.quantity
+        total[one.article] = total.get(one.article, 0) + one.quantity
+    asked: dict[str, int] = {}
+    for i, item in enumerate(items):
+        if item.article not in total:
+            continue
+        asked[item.article] = asked.get(item.article, 0) + item.quantity
+        there = left.get((item.article, item.place), 0)
+        if asked[item.article] > total[item.article]:
+            raise InputError(
+                f"{asked[item.article]} pieces of article {item.article!r} are asked for, and "
+                f"{total[item.article]} are in stock",
+                field=f"items[{i}].quantity",
+                advice="ask for fewer, or add to the stock",
+            )
+        if item.quantity > there:
+            raise InputError(
+                f"{item.quantity} pieces of article {item.article!r} are asked for in {item.place},"
+                f" and {there} are left there",
+                field=f"items[{i}].at",
+                advice="take them from several places of its stock, an item each",
+            )
+        left[item.article, item.place] = there - item.quantity
 
 
 def _owners(items: Sequence[Item], orders: Sequence[Order]) -> dict[str, str]:

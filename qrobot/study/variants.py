@@ -62,7 +62,8 @@ def _two_blocks(instance: Instance, house: AisleWarehouse) -> Instance:
         return dataclasses.replace(place, block=place.slot // half, slot=place.slot % half)
 
     items = tuple(dataclasses.replace(i, place=moved(i.place)) for i in instance.items)
-    return dataclasses.replace(instance, warehouse=changed, items=items)
+    stock = tuple(dataclasses.replace(s, place=moved(s.place)) for s in instance.stock)
+    return dataclasses.replace(instance, warehouse=changed, items=items, stock=stock)
 
 
 VARIANTS: dict[str, Callable[[Instance, AisleWarehouse], Instance]] = {

@@ -27,6 +27,7 @@ from qrobot.problem import (
     Point,
     Robot,
     Slot,
+    Stock,
     Warehouse,
 )
 from qrobot.problem.fleets import check_fleet_size
@@ -111,6 +112,7 @@ def _instance(document: Document) -> Instance:
             name=document.name,
             comment=document.comment,
             reference=document.reference,
+            stock=tuple(Stock(s.article, _place(s.at), s.quantity) for s in document.stock),
         )
 
     return checked(make, lambda field: field)
@@ -121,7 +123,7 @@ def read_layout(path: StrPath) -> Layout:
     text = read_text(path)
     with located(text):
         document = _document(loads(text))
-        for name in ("items", "orders", "reference"):
+        for name in ("items", "orders", "stock", "reference"):
             if name in document.model_fields_set:
                 raise InputError(
                     "does not belong into a layout",
@@ -264,6 +266,11 @@ def to_text(instance: Instance) -> str:
         order.id != order.items[0] for order in instance.orders
     ):
         data["orders"] = [{"id": o.id, "items": list(o.items)} for o in instance.orders]
+    if instance.stock:
+        data["stock"] = [
+            {"article": s.article, "at": _place_data(s.place), "quantity": s.quantity}
+            for s in instance.stock
+        ]
     return dumps(data)
 
 

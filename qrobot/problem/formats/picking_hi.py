@@ -13,7 +13,7 @@ from pathlib import Path
 
 from qrobot._files import read_text
 from qrobot.errors import InputError
-from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
+from qrobot.problem import AisleWarehouse, Instance, Item, Order, Place, Robot, Slot, Stock
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.formats.lines import Line, Lines
 from qrobot.problem.formats.registry import ReadOptions, builtin, checked
@@ -21,7 +21,8 @@ from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 __all__ = ["FORMAT", "read_hi"]
 
 _BATCHING = "ORDER_BATCHING"
-_SINGLE_PICKER = {"SINGLE_PICKER_ROUTING", "SINGLE_PICKER_ROUTING_WITH_SCATTERED_STORAGE"}
+_SCATTERED = "SINGLE_PICKER_ROUTING_WITH_SCATTERED_STORAGE"
+_SINGLE_PICKER = {"SINGLE_PICKER_ROUTING", _SCATTERED}
 _LAYOUT = {
     # what the domain calls it: the field of the header
     "aisles": "NUM_AISLES",
@@ -37,6 +38,8 @@ _LAYOUT = {
     "robots[0].capacity": "PICKER_CAPACITY",
 }
 _HEADER = {"NAME", "TYPE", "COMMENT", "LAYOUT", *_LAYOUT.values()}
+_CHUNK = 256
+"""Places whose distances are found at once."""
 _CUT = "complete the section (the file may be cut off), or correct the number"
 
 
@@ -46,10 +49,12 @@ class _File:
 
     header: dict[str, tuple[Line, str]] = field(default_factory=dict)
     weights: dict[int, Fraction] = field(default_factory=dict)
-    places: dict[int, Slot] = field(default_factory=dict)
+    places: dict[int, list[Stock]] = field(default_factory=dict)
     orders: list[dict[int, int]] = field(default_factory=list)
     """Pieces of each article, an order each."""
     order_lines: list[Line] = field(default_factory=list)
+    article_lines: list[dict[int, Line]] = field(default_factory=list)
+    """Where an order first lists each article."""
     item_lines: list[Line] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -113,21 +118,8 @@ def read_hi(path: Path, capacity: Fraction | None = None) -> Instance:
     warehouse = _warehouse(file)
     _read_places(file, lines, warehouse)
     _read_orders(file, lines, alone=kind != _BATCHING)
-    items = tuple(
-        Item(
-            f"{o}/{article}",
-            pieces * file.weights[article],
-            file.places[article],
-            quantity=pieces,
-            article=str(article),
-        )
-        for o, order in enumerate(file.orders, 1)
-        for article, pieces in order.items()
-    )
-    orders = tuple(
-        Order(f"{o}", tuple(f"{o}/{article}" for article in order))
-        for o, order in enumerate(file.orders, 1)
-    )
+    stock = _stock(file, kind)
+    items, orders = _collected(file, warehouse, stock)
     if capacity is None:
         capacity = _capacity(file, kind, sum((item.weight for item in items), Fraction(0)))
 
@@ -140,6 +132,7 @@ def read_hi(path: Path, capacity: Fraction | None = None) -> Instance:
             name=_printable(file.text("NAME")).removesuffix(".txt") or path.stem,
             comment=_printable(file.text("COMMENT")),
             remarks=tuple(file.notes),
+            stock=tuple(stock),
         )
 
     return checked(make, file.where)
@@ -244,16 +237,15 @@ def _read_places(file: _File, lines: Lines, warehouse: AisleWarehouse) -> None:
         names = ("ID", "AISLE", "CELL", "QUANTITY", "LEFT_RIGHT_HAND_SIDE")
         article, aisle, cell, quantity, side = _values(line, *names)
         number = _article(file, line, article)
-        line.whole(quantity, "quantity")
-        if number in file.places:
-            raise line.error(
-                f"article {number} lies in several places", "give each article one place"
-            )
-        file.places[number] = Slot(
+        pieces = line.whole(quantity, "quantity")
+        slot = Slot(
             line.whole(aisle, "aisle", most=warehouse.aisles - 1),
             warehouse.slots - 1 - line.whole(cell, "cell", most=warehouse.slots - 1),
             side="right" if side == "right" else "left",
         )
+        if any(other.place == slot for other in file.places.get(number, ())):
+            raise line.error(f"article {number} is in this cell twice", "give one quantity")
+        file.places.setdefault(number, []).append(Stock(str(number), slot, pieces))
 
 
 def _read_orders(file: _File, lines: Lines, *, alone: bool) -> None:
@@ -276,6 +268,7 @@ def _read_order(file: _File, lines: Lines, count: str) -> None:
     line = lines.take(count)
     file.order_lines.append(line)
     pieces: dict[int, int] = {}
+    listed: dict[int, Line] = {}
     for _ in range(_count(line, count)):
         line = lines.take("an article of an order")
         word, quantity = _values(line, "ID", "QUANTITY")
@@ -284,10 +277,63 @@ def _read_order(file: _File, lines: Lines, count: str) -> None:
             raise line.error(
                 f"article {article} lies nowhere", "add its place to SKU_SECTION, or remove it here"
             )
-        if article not in pieces:
-            file.item_lines.append(line)
+        listed.setdefault(article, line)
         pieces[article] = pieces.get(article, 0) + line.whole(quantity, "quantity", least=1)
     file.orders.append(pieces)
+    file.article_lines.append(listed)
+
+
+def _stock(file: _File, kind: str) -> list[Stock]:
+    """Return what lies where, when articles may be taken from several places; else nothing."""
+    if kind != _SCATTERED and all(len(places) == 1 for places in file.places.values()):
+        return []
+    return [place for places in file.places.values() for place in places if place.quantity]
+
+
+def _collected(
+    file: _File, warehouse: AisleWarehouse, stock: list[Stock]
+) -> tuple[tuple[Item, ...], tuple[Order, ...]]:
+    """Return items and orders; an article with a stock is taken from the nearest places first."""
+    far: dict[Stock, float] = {}
+    for chunk in (stock[k : k + _CHUNK] for k in range(0, len(stock), _CHUNK)):
+        row = warehouse.distance_matrix([place.place for place in chunk])[0, 1:]
+        far.update(zip(chunk, row.tolist(), strict=True))
+    left = {place: place.quantity for place in sorted(stock, key=far.__getitem__)}
+    near: dict[str, list[Stock]] = {}
+    for place in left:
+        near.setdefault(place.article, []).append(place)
+    items: list[Item] = []
+    orders: list[Order] = []
+    for o, (order, lines) in enumerate(zip(file.orders, file.article_lines, strict=True), 1):
+        first = len(items)
+        for article, pieces in order.items():
+            taken: list[tuple[Place, int]] = [(file.places[article][0].place, pieces)]
+            if stock:
+                taken = _taken(near.get(str(article), []), left, pieces)
+            if sum(quantity for _, quantity in taken) < pieces:
+                raise lines[article].error(
+                    f"more pieces of article {article} are asked for than SKU_SECTION has",
+                    "ask for fewer, or add to the quantities there",
+                )
+            for k, (at, quantity) in enumerate(taken, 1):
+                name = f"{o}/{article}" + (f"#{k}" if len(taken) > 1 else "")
+                weight = quantity * file.weights[article]
+                items.append(Item(name, weight, at, quantity=quantity, article=str(article)))
+                file.item_lines.append(lines[article])
+        orders.append(Order(f"{o}", [item.id for item in items[first:]]))
+    return tuple(items), tuple(orders)
+
+
+def _taken(near: list[Stock], left: dict[Stock, int], pieces: int) -> list[tuple[Place, int]]:
+    """Take pieces from the nearest places that have some left, at most as many as there are."""
+    taken = []
+    for one in near:
+        quantity = min(pieces, left[one])
+        if quantity:
+            left[one] -= quantity
+            pieces -= quantity
+            taken.append((one.place, quantity))
+    return taken
 
 
 def _capacity(file: _File, kind: str, total: Fraction) -> Fraction:

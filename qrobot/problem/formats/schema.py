@@ -228,6 +228,14 @@ class ItemModel(_Strict):
     article: Name = ""
 
 
+class StockModel(_Strict):
+    """Pieces of an article in one place."""
+
+    article: Name
+    at: PlaceModel
+    quantity: Count
+
+
 class Document(_Strict):
     """A warehouse, what to collect from it, and who collects.
 
@@ -244,6 +252,7 @@ class Document(_Strict):
     robots: RobotsModel
     items: list[ItemModel] = []
     orders: list[OrderModel] = []
+    stock: list[StockModel] = []
 
 
 def json_schema() -> Mapping[str, Any]:
