@@ -28,7 +28,6 @@ __all__ = [
 DISTRIBUTIONS = {
     "braket": "amazon-braket-sdk",
     "dwave": "dwave-system",
-    "numba": "amazon-braket-sdk",  # which brings it
 }
 """Of modules that are not called like what installs them."""
 

@@ -38,7 +38,9 @@ def available() -> bool:
     return is_installed("numba")
 
 
-def compile_kernel(function: Callable[..., Any], *, sums: bool = False) -> Callable[..., Any]:
+def compile_kernel(
+    function: Callable[..., Any], *, sums: bool = False, inline: bool = False
+) -> Callable[..., Any]:
     """Return a function that numba compiles at its first call and keeps on disk if it can.
 
     Parameters
@@ -47,29 +49,34 @@ def compile_kernel(function: Callable[..., Any], *, sums: bool = False) -> Calla
         Plain Python that numba understands.
     sums
         Whether sums may be reordered, so that they become vector code.
+    inline
+        Whether its text takes the place of calls from other kernels. Records of many arrays are
+        handed over field by field, which takes longer than a short function.
     """
     numba: Any = importlib.import_module("numba")
     if not caching:
-        return _jit(numba, function, sums, cache=False)
+        return _jit(numba, function, sums, inline, cache=False)
     if not numba.config.CACHE_DIR:
         try:
-            return _jit(numba, function, sums, cache=True)
+            return _jit(numba, function, sums, inline, cache=True)
         except RuntimeError:  # no locator available
             folder = private_folder()
             if folder is None:
-                return _jit(numba, function, sums, cache=False)
+                return _jit(numba, function, sums, inline, cache=False)
             numba.config.CACHE_DIR = str(folder)
     try:
-        return _jit(numba, function, sums, cache=True)
+        return _jit(numba, function, sums, inline, cache=True)
     except RuntimeError:
-        return _jit(numba, function, sums, cache=False)
+        return _jit(numba, function, sums, inline, cache=False)
 
 
 def _jit(
-    numba: Any, function: Callable[..., Any], sums: bool, *, cache: bool
+    numba: Any, function: Callable[..., Any], sums: bool, inline: bool, *, cache: bool
 ) -> Callable[..., Any]:
     flags = {"contract", "reassoc", "nsz"} if sums else {"contract"}
-    made: Callable[..., Any] = numba.njit(cache=cache, fastmath=flags, **OPTIONS)(function)
+    made: Callable[..., Any] = numba.njit(
+        cache=cache, fastmath=flags, inline="always" if inline else "never", **OPTIONS
+    )(function)
     return made
 
 

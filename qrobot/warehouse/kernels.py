@@ -3,14 +3,14 @@
 Importing this module imports numba. Functions that call each other are in one file: numba's
 cache looks at its date only.
 
-A batch is a row of words: for each sub-aisle a bit for each place that some order needs there.
-The words of a batch are those of its orders, joined by "or".
+A batch is a row of words: for each sub-aisle a bit for each slot. The words of a batch are those
+of its orders, joined by "or".
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,7 @@ import numpy.typing as npt
 from qrobot._arrays import Floats
 from qrobot._jit import compile_kernel
 from qrobot.problem import AisleWarehouse, Slot
-from qrobot.warehouse.grid import grid_of, positions_of
+from qrobot.warehouse.grid import grid_of
 from qrobot.warehouse.sweep import Numbers, flatten
 
 __all__ = ["Layout", "Words", "masks_of", "tour_length"]
@@ -50,8 +50,8 @@ class Layout(NamedTuple):
         Metres from the depot to its crossing and back.
     is_open
         Whether nothing is closed.
-    offsets
-        Shape (sub-aisles, bits): metres of each place from the front of its block.
+    bases, pitch
+        Metres from the front of each block to its first slot, and from slot to slot.
     ends, steps, starts
         The states of the sweep: begin and done, and as in `sweep.Flat`.
     states
@@ -63,28 +63,70 @@ class Layout(NamedTuple):
     depot: tuple[int, int]
     lead: float
     is_open: bool
-    offsets: Floats
+    bases: Floats
+    pitch: float
     ends: tuple[int, int]
     steps: Numbers
     starts: Numbers
     states: int
 
 
-def _extent(words: Words, part: int, offsets: Floats) -> tuple[float, float, float]:
-    """Return first place, last place and widest gap between places of a sub-aisle, metres."""
-    first, last, gap = -1.0, -1.0, 0.0
+def _lowest(word: Any) -> Any:
+    """Return the index of the lowest set bit."""
+    return PLACE[((word & (~word + ONE)) * DE_BRUIJN) >> SHIFT]
+
+
+_lowest = compile_kernel(_lowest)
+
+
+def _highest(word: Any) -> Any:
+    """Return the index of the highest set bit."""
+    word |= word >> np.uint64(1)
+    word |= word >> np.uint64(2)
+    word |= word >> np.uint64(4)
+    word |= word >> np.uint64(8)
+    word |= word >> np.uint64(16)
+    word |= word >> np.uint64(32)
+    return PLACE[((word ^ (word >> ONE)) * DE_BRUIJN) >> SHIFT]
+
+
+_highest = compile_kernel(_highest)
+
+
+def _slots(words: Words, part: int) -> tuple[int, int, int]:
+    """Return first and last slot of a sub-aisle, and the most slots from one to the next."""
+    first, last, gap = -1, -1, 0
     for w in range(words.shape[1]):
-        left = words[part, w]
-        while left:
-            bit = left & (~left + ONE)
-            left ^= bit
-            at = offsets[part, 64 * w + PLACE[(bit * DE_BRUIJN) >> SHIFT]]
-            if first < 0.0:
-                first = at
-            elif at - last > gap:
-                gap = at - last
-            last = at
+        word = words[part, w]
+        if not word:
+            continue
+        low, high = _lowest(word), _highest(word)
+        if first < 0:
+            first = 64 * w + low
+        else:
+            gap = max(gap, 64 * w + low - last)
+        last = 64 * w + high
+        # Runs of slots without a pick between the first and the last: each round shortens them.
+        empty = ~word & ((ONE << np.uint64(high)) - (ONE << np.uint64(low)))
+        run = 1
+        while empty:
+            empty &= empty >> ONE
+            run += 1
+        if high > low:
+            gap = max(gap, run)
     return first, last, gap
+
+
+_slots = compile_kernel(_slots)
+
+
+def _extent(words: Words, part: int, layout: Layout) -> tuple[float, float, float]:
+    """Return first place, last place and widest gap between places of a sub-aisle, metres."""
+    first, last, gap = _slots(words, part)
+    if first < 0:
+        return -1.0, -1.0, 0.0
+    base, pitch = layout.bases[part % layout.along.shape[1]], layout.pitch
+    return base + pitch * first, base + pitch * last, pitch * gap
 
 
 _extent = compile_kernel(_extent)
@@ -118,7 +160,7 @@ def _one_block(words: Words, layout: Layout) -> float:
                 back = min(back, begin)
             begin = done = np.inf
         length = layout.along[column, 0]
-        near, far, gap = _extent(words, column, layout.offsets)
+        near, far, gap = _extent(words, column, layout)
         either = min(front, back, one, two, begin) + length
         twice = min(front, back, two, begin) + 2.0 * length
         if near < 0.0:
@@ -166,7 +208,7 @@ def _prices(words: Words, column: int, block: int, layout: Layout, prices: Float
     """Set what each choice for a sub-aisle costs, by `states.VERTICAL`."""
     length = layout.along[column, block]
     part = column * layout.along.shape[1] + block
-    near, far, gap = _extent(words, part, layout.offsets)
+    near, far, gap = _extent(words, part, layout)
     prices[:] = np.inf
     prices[1], prices[5] = length, 2.0 * length
     if near < 0.0:
@@ -254,26 +296,16 @@ def masks_of(
     Returns
     -------
     tuple
-        The layout, whose bits stand for the slots that any order needs, and an array of shape
-        (orders, sub-aisles, words).
+        The layout, and an array of shape (orders, sub-aisles, words).
     """
     grid = grid_of(warehouse)
     flat = flatten(grid.cross_aisles)
-    owner = np.repeat(np.arange(len(picks)), [len(slots) for slots in picks])
-    parts, offsets = positions_of(warehouse, [slot for slots in picks for slot in slots])
-    places = sorted({*zip(parts.tolist(), offsets.tolist(), strict=True)})
-    bit, seen = {}, dict.fromkeys(range(grid.along.size), 0)
-    for part, offset in places:
-        bit[part, offset] = seen[part]
-        seen[part] += 1
-    words = max(1, -(-max(seen.values()) // 64))
-    table = np.zeros((grid.along.size, 64 * words))
-    for (part, offset), at in bit.items():
-        table[part, at] = offset
+    words = -(-warehouse.slots // 64)
     masks = np.zeros((len(picks), grid.along.size, words), dtype=np.uint64)
-    for order, part, offset in zip(owner.tolist(), parts.tolist(), offsets.tolist(), strict=True):
-        at = bit[part, offset]
-        masks[order, part, at // 64] |= np.uint64(1 << at % 64)
+    for order, slots in enumerate(picks):
+        for slot in slots:
+            part = slot.aisle * warehouse.blocks + slot.block
+            masks[order, part, slot.slot // 64] |= np.uint64(1 << slot.slot % 64)
     across = np.full((len(grid.along), grid.cross_aisles), np.inf)
     across[:-1] = grid.across
     return Layout(
@@ -282,7 +314,8 @@ def masks_of(
         depot=grid.depot,
         lead=2.0 * grid.lead,
         is_open=grid.is_open,
-        offsets=table,
+        bases=np.array([front for front, _ in warehouse.gaps]),
+        pitch=float(warehouse.slot_pitch),
         ends=(flat.begin, flat.done),
         steps=flat.steps,
         starts=flat.starts,

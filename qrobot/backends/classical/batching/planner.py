@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
+from qrobot.backends.classical.aisles import takes
 from qrobot.backends.classical.batching.ruin import Batches, SearchData
 from qrobot.problem import Instance
 
@@ -41,6 +42,10 @@ class BatchingPlanner:
         """Search until `stop`; see `Planner.search`. `start` may leave orders out."""
         if not instance.orders:
             return Search(routes=[])
+        if takes(instance):
+            from qrobot.backends.classical.batching.aisles import search_aisles
+
+            return search_aisles(instance, stop, seed, start, on_best)
         data = SearchData(instance, seed, stop)
         counter = _Counter(stop)
 

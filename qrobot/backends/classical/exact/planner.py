@@ -15,6 +15,7 @@ from qrobot.backends.classical.exact.columns import MAX_ENTRIES, Columns, check_
 from qrobot.backends.classical.exact.cover import cheapest_cover, lagrangian
 from qrobot.backends.classical.exact.packing import no_packing, no_way
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS, best_split
+from qrobot.backends.classical.generation import can_generate, generate
 from qrobot.backends.classical.whole import whole_costs
 from qrobot.errors import BackendError
 from qrobot.plan.objective import DISTANCE, Objective
@@ -45,8 +46,9 @@ class ExactPlanner:
     All sets of orders that fit on one robot are enumerated, each gets its shortest tour
     (Held and Karp 1962; up to 13 orders of several stops only where the split needs it), and
     the best split over the robots is found by a subset convolution (up to 13 orders) or by
-    set partition with CP-SAT. A limit of work limits CP-SAT's deterministic time; what is
-    before it is limited by numbers of sets and stops.
+    set partition with CP-SAT. Whole orders in aisles are proven by column generation with exact
+    tours. A limit of work limits CP-SAT's deterministic time; what is before it is limited by
+    numbers of sets and stops.
     """
 
     name = "exact"
@@ -54,6 +56,8 @@ class ExactPlanner:
 
     def fits(self, instance: Instance) -> bool:
         """Return whether the instance is small enough."""
+        if can_generate(instance):
+            return True
         try:
             check_size(instance)
         except BackendError:
@@ -62,7 +66,12 @@ class ExactPlanner:
 
     def at_once(self, instance: Instance) -> bool:
         """Return whether a proof takes no longer than a fraction of a second."""
-        return len(instance.orders) <= MAX_ELEMENTS and self.fits(instance) and check_size(instance)
+        if len(instance.orders) > MAX_ELEMENTS:
+            return False
+        try:
+            return check_size(instance)
+        except BackendError:
+            return False
 
     def search(
         self,
@@ -88,36 +97,45 @@ class ExactPlanner:
             return Search(routes=[], optimal=True)
         if objective.common_rate(instance) is None:
             return _charged(instance, objective, stop, start)
-        shared = check_size(instance)
-        if start is None and (len(instance.orders) > MAX_ELEMENTS or not shared):
-            # A plan to begin with: it prices most columns out, and is there when time is up.
-            left = FIRST_SHARE * stop.remaining if stop.remaining < math.inf else None
-            quick = stop.within(left, max_work=FIRST_ROUNDS)
-            start = BatchingPlanner().search(instance, stop=quick, seed=seed).routes
-            if start is not None and on_best is not None:
-                on_best(start, instance.length(start))
-        if start is not None and math.isinf(instance.length(start)):
-            start = None  # it takes a forbidden way
-        columns = columns_of(instance, stop)
-        if columns is None:
-            return Search(routes=start)
-        work = len(columns.masks)
-        capacities = instance.vehicle_capacities
-        if len(instance.orders) <= MAX_ELEMENTS:
-            routes, proven, bound = _split(instance, columns, capacities, stop, start)
-        else:
-            routes, proven, bound = _cover(instance, columns, capacities, stop, seed, start)
-        if routes is None:
-            if proven:
-                return Search(infeasible=no_packing(instance), work=work)
-            return Search(bound=bound, work=work)
-        cost = instance.length(routes)
-        if math.isinf(cost):
-            reason = no_way(instance) if proven else None
-            return Search(bound=bound, infeasible=reason, work=work)
-        if on_best is not None:
-            on_best(routes, cost)
-        return Search(routes=routes, bound=cost if proven else bound, optimal=proven, work=work)
+        if can_generate(instance) and not self.at_once(instance):
+            return generate(instance, stop, seed, start, on_best)
+        return _enumerated(instance, stop, seed, start, on_best)
+
+
+def _enumerated(
+    instance: Instance, stop: Stop, seed: int, start: Routes | None, on_best: OnBest | None
+) -> Search:
+    """Search by the sets of orders that fit on one robot, all listed."""
+    shared = check_size(instance)
+    if start is None and (len(instance.orders) > MAX_ELEMENTS or not shared):
+        # A plan to begin with: it prices most columns out, and is there when time is up.
+        left = FIRST_SHARE * stop.remaining if stop.remaining < math.inf else None
+        quick = stop.within(left, max_work=FIRST_ROUNDS)
+        start = BatchingPlanner().search(instance, stop=quick, seed=seed).routes
+        if start is not None and on_best is not None:
+            on_best(start, instance.length(start))
+    if start is not None and math.isinf(instance.length(start)):
+        start = None  # it takes a forbidden way
+    columns = columns_of(instance, stop)
+    if columns is None:
+        return Search(routes=start)
+    work = len(columns.masks)
+    capacities = instance.vehicle_capacities
+    if len(instance.orders) <= MAX_ELEMENTS:
+        routes, proven, bound = _split(instance, columns, capacities, stop, start)
+    else:
+        routes, proven, bound = _cover(instance, columns, capacities, stop, seed, start)
+    if routes is None:
+        if proven:
+            return Search(infeasible=no_packing(instance), work=work)
+        return Search(bound=bound, work=work)
+    cost = instance.length(routes)
+    if math.isinf(cost):
+        reason = no_way(instance) if proven else None
+        return Search(bound=bound, infeasible=reason, work=work)
+    if on_best is not None:
+        on_best(routes, cost)
+    return Search(routes=routes, bound=cost if proven else bound, optimal=proven, work=work)
 
 
 def _charged(instance: Instance, objective: Objective, stop: Stop, start: Routes | None) -> Search:

@@ -1,0 +1,189 @@
+"""Batches of whole orders in aisles: simulated annealing with exact tours.
+
+Importing this module imports numba. Each cycle anneals from the best plan so far; then a set
+partition over the batches that were met in good plans puts together the best of them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from qrobot._arrays import Ints
+from qrobot._extras import is_installed
+from qrobot.backends.base import OnBest, Routes, Search, Stop
+from qrobot.backends.classical.batching.annealing import anneal, place
+from qrobot.backends.classical.batching.state import State, new_state
+from qrobot.backends.classical.orders import Batch, Orders, Trips, orders_of, tie_of
+from qrobot.problem import AisleWarehouse, Instance
+
+__all__ = ["search_aisles"]
+
+MOVES = 2_000
+"""Moves between two looks at the clock: a few milliseconds, and one unit of work."""
+
+WARM, COLD = 0.06, 0.002
+"""First and last temperature, as shares of a mean trip."""
+
+DEARER, CHEAPER = 1.15, 0.93
+"""How the price of overload changes where a plan has some, and where it has none."""
+
+DEAREST, CHEAPEST = 20.0, 0.02
+"""Its limits, as multiples of a mean trip by capacity."""
+
+POOL, GOOD = 40_000, 1.01
+"""Batches kept for the set partition, from plans this near to the best."""
+
+CYCLE = 1_000
+"""Units of work of the first cycle where neither time nor work is limited; then twice as many."""
+
+CYCLES = 3
+"""Cycles where time or work is limited."""
+
+PARTITION_SHARE = 0.15
+"""Of a cycle, for the set partition."""
+
+SPARE_TRIPS = 3
+"""Trips more than a first packing needs."""
+
+
+def search_aisles(
+    instance: Instance, stop: Stop, seed: int, start: Routes | None, on_best: OnBest | None
+) -> Search:
+    """Search for batches until `stop`; see `Planner.search`."""
+    search = _Search(instance, seed, start, on_best)
+    if search.orders is None:
+        return Search(routes=start)
+    return search.run(stop)
+
+
+class _Search:
+    """One search."""
+
+    def __init__(
+        self, instance: Instance, seed: int, start: Routes | None, on_best: OnBest | None
+    ) -> None:
+        assert isinstance(instance.warehouse, AisleWarehouse)
+        self.instance, self.on_best = instance, on_best
+        self.trips = Trips(instance)
+        orders = orders_of(instance)
+        first = _first_fit(orders)
+        # More trips than a packing needs only make the search larger.
+        packed = len(np.unique(first)) + SPARE_TRIPS
+        if (orders.capacities == orders.capacities[0]).all() or packed >= len(orders.capacities):
+            orders = orders._replace(capacities=orders.capacities[:packed])
+        self.orders: Orders = orders
+        self.tie = tie_of(instance.warehouse, orders)
+        if start:
+            batches = self.trips.batches(start)
+            batches.sort(key=lambda b: -int(orders.weights[list(b)].sum()))
+            if len(batches) <= len(orders.capacities):
+                first = np.zeros(len(orders.weights), dtype=np.int64)
+                for trip, batch in enumerate(batches):
+                    first[list(batch)] = trip
+        self.state: State = new_state(orders, self.tie, seed, POOL)
+        place(orders, self.state, first)
+        self.told = math.inf
+        self.work = 0
+        used = max(1, int((self.state.size > 0).sum()))
+        self.scale = float(self.state.length.sum()) / used
+        self.usual_price = self.scale / max(1, int(orders.capacities[0]))
+        self.state.figures[0] = self.usual_price
+
+    def run(self, stop: Stop) -> Search:
+        """Anneal in cycles until `stop`."""
+        cycle, length = 0, CYCLE
+        while not stop(self.work):
+            part = self._cycle(stop, cycle, length)
+            self._anneal(part, hot=WARM if cycle == 0 else WARM / 2)
+            if stop(self.work):
+                break
+            self._partition(stop, part)
+            place(self.orders, self.state, self._best_trips())
+            cycle, length = cycle + 1, 2 * length
+        self._tell()
+        return Search(routes=self.trips.routes(self._best()), work=self.work)
+
+    def _cycle(self, stop: Stop, cycle: int, length: int) -> Stop:
+        """Return a stop for the annealing of a cycle."""
+        share = (1 - PARTITION_SHARE) / max(1, CYCLES - cycle)
+        if stop.max_work is not None:
+            left = max(1, int(share * (stop.max_work - self.work)))
+            return stop.within(max_work=self.work + left)
+        if math.isfinite(stop.remaining):
+            return stop.within(share * stop.remaining)
+        return stop.within(max_work=self.work + length)
+
+    def _anneal(self, stop: Stop, hot: float) -> None:
+        begun, state = self.work, self.state
+        limit = stop.max_work
+        while not stop(self.work):
+            passed = stop.elapsed / max(stop.elapsed + stop.remaining, 1e-9)
+            if limit is not None:
+                passed = max(passed, (self.work - begun) / max(1, limit - begun))
+            heat = self.scale * hot * (COLD / hot) ** min(1.0, passed)
+            _, over = anneal(self.orders, state, MOVES, heat, GOOD * state.figures[1])
+            self.work += 1
+            price = state.figures[0] * (DEARER if over else CHEAPER)
+            state.figures[0] = min(
+                max(price, CHEAPEST * self.usual_price), DEAREST * self.usual_price
+            )
+            if self.work % 64 == 0:
+                self._tell()
+        self._tell()
+
+    def _partition(self, stop: Stop, part: Stop) -> None:
+        """Put the best of the kept batches together anew."""
+        if not (is_installed("ortools") and self.state.pool_size[0] and math.isfinite(self.told)):
+            return
+        from qrobot.backends.classical.generation.search import Generation
+
+        seconds = PARTITION_SHARE * max(part.elapsed, 0.2)
+        rows = int(self.state.pool_size[0])
+        programme = Generation(self.orders, self.tie)
+        found = programme.improve(
+            self.state.pool[:rows], self.state.figures[1], stop.within(seconds)
+        )
+        if found is not None:
+            self._take(found)
+            self._tell()
+
+    def _take(self, plan: list[Batch]) -> None:
+        trips = np.zeros(len(self.orders.weights), dtype=np.int64)
+        loads = [int(self.orders.weights[list(batch)].sum()) for batch in plan]
+        for trip, at in enumerate(sorted(range(len(plan)), key=lambda b: -loads[b])):
+            trips[list(plan[at])] = trip
+        place(self.orders, self.state, trips)
+        self.state.best[:] = trips
+        self.state.figures[1] = float(self.state.length.sum()) + self.tie * len(plan)
+
+    def _best_trips(self) -> Ints:
+        found = self.state.best[0] >= 0
+        return (self.state.best if found else self.state.trip).copy()
+
+    def _best(self) -> list[Batch]:
+        if self.state.best[0] < 0:
+            return []
+        batches: dict[int, list[int]] = {}
+        for order, trip in enumerate(self.state.best.tolist()):
+            batches.setdefault(trip, []).append(order)
+        return [tuple(batch) for batch in batches.values()]
+
+    def _tell(self) -> None:
+        if self.state.figures[1] < self.told and self.on_best is not None:
+            routes = self.trips.routes(self._best())
+            self.on_best(routes, self.instance.length(routes))
+        self.told = min(self.told, float(self.state.figures[1]))
+
+
+def _first_fit(orders: Orders) -> Ints:
+    """Return trips by first fit of the heaviest; what fits nowhere overloads the emptiest trip."""
+    room = orders.capacities.copy()
+    trips = np.zeros(len(orders.weights), dtype=np.int64)
+    for order in np.argsort(-orders.weights, kind="stable").tolist():
+        fits = np.flatnonzero(room >= orders.weights[order])
+        trip = int(fits[0]) if len(fits) else int(np.argmax(room))
+        trips[order] = trip
+        room[trip] -= orders.weights[order]
+    return trips

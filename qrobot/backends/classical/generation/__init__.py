@@ -1,0 +1,65 @@
+"""Column generation over batches of whole orders in aisles: plans with proof, and bounds."""
+
+from __future__ import annotations
+
+from qrobot._extras import is_installed
+from qrobot.backends.base import OnBest, Routes, Search, Stop
+from qrobot.backends.classical.aisles import takes
+from qrobot.problem import Instance
+
+__all__ = ["MOST_ORDERS", "can_generate", "generate"]
+
+MOST_ORDERS = 150
+"""More orders have too many batches for a bound to be of use."""
+
+FIRST_SHARE, FIRST_SECONDS, FIRST_WORK = 0.1, 1.0, 300
+"""Of the time, at most, and of the work, for a plan to begin with."""
+
+
+def can_generate(instance: Instance) -> bool:
+    """Return whether column generation takes an instance."""
+    return takes(instance) and len(instance.orders) <= MOST_ORDERS and is_installed("ortools")
+
+
+def generate(
+    instance: Instance,
+    stop: Stop,
+    seed: int = 0,
+    start: Routes | None = None,
+    on_best: OnBest | None = None,
+) -> Search:
+    """Search for the best batches, and prove them; see `Planner.search`."""
+    # These import numba, which takes a second.
+    from qrobot.backends.classical.batching.aisles import search_aisles
+    from qrobot.backends.classical.generation.search import Generation
+    from qrobot.backends.classical.orders import Trips, orders_of, tie_of
+    from qrobot.problem import AisleWarehouse
+
+    assert isinstance(instance.warehouse, AisleWarehouse)
+    if start is None:
+        left = stop.remaining
+        seconds = min(FIRST_SHARE * left, FIRST_SECONDS) if left < float("inf") else None
+        quick = stop.within(seconds, max_work=FIRST_WORK)
+        start = search_aisles(instance, quick, seed, None, on_best).routes
+    orders, trips = orders_of(instance), Trips(instance)
+    tie = tie_of(instance.warehouse, orders)
+    programme = Generation(orders, tie)
+    upper = float("inf")
+    if start:
+        known = trips.batches(start)
+        programme.add(known)
+        upper = float((programme.pool_of(known).lengths + tie).sum())
+    proof = programme.prove(upper, stop)
+    routes = start
+    if proof.plan is not None:
+        routes = trips.routes(proof.plan)
+        if on_best is not None:
+            on_best(routes, instance.length(routes))
+    bound = max(0.0, proof.bound - tie * min(len(orders.weights), len(orders.capacities)))
+    if proof.complete and routes is None:
+        from qrobot.backends.classical.exact.packing import no_packing
+
+        return Search(infeasible=no_packing(instance), work=proof.programmes)
+    if proof.complete and routes is not None:
+        bound = instance.length(routes)
+    return Search(routes=routes, bound=bound, optimal=proof.complete, work=proof.programmes)
