@@ -150,11 +150,6 @@ class AisleWarehouse:
         return tuple(front + back + slots for front, back in self.gaps)
 
     @property
-    def block_length(self) -> float:
-        """Length of the sub-aisles of the front block, metres."""
-        return self.block_lengths[0]
-
-    @property
     def cross_aisle_heights(self) -> tuple[float, ...]:
         """Distance of each cross aisle from the front one, metres."""
         return tuple(accumulate(self.block_lengths, initial=0.0))

@@ -135,7 +135,7 @@ def test_a_layout_by_hand() -> None:
     w = AisleWarehouse(
         aisles=3, blocks=2, slots=4, aisle_pitch=3, slot_pitch=1, end_gap=1, depot_distance=2
     )
-    assert w.block_length == 5
+    assert w.block_lengths == (5, 5)
     d = w.distance_matrix([Slot(0, 0), Slot(0, 3), Slot(2, 3), Slot(1, 0, block=1)])
     assert d[0].tolist() == [0, 3, 6, 12, 11]
     assert d[1, 2] == 3  # straight along the aisle
