@@ -225,6 +225,7 @@ $(stamp)-%: locks/%.txt $(project)
 	@$(pip) install --require-hashes --no-build-isolation --requirement $<
 	@echo 'Installing qRobot itself'
 	@$(pip) install --no-deps --no-build-isolation --editable .
+	@$(if $(filter solver dev edge full,$*),echo 'Compiling the searches for this machine' && $(bin)/qrobot compile)
 	@rm $(VENV)/.unfinished
 	@touch $@ $(if $(filter dev edge full,$*),$(stamp)-solver) $(if $(filter dev,$*),$(stamp)-provision) $(if $(filter full,$*),$(stamp)-edge)
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import importlib
 import os
 import stat
+import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +20,7 @@ from typing import Any
 
 from qrobot._extras import is_installed
 
-__all__ = ["available", "compile_kernel", "private_folder"]
+__all__ = ["available", "compile_kernel", "is_cached", "private_folder"]
 
 OPTIONS: dict[str, Any] = {
     "nogil": True,  # kernels run on plain threads
@@ -78,6 +79,26 @@ def _jit(
         cache=cache, fastmath=flags, inline="always" if inline else "never", **OPTIONS
     )(function)
     return made
+
+
+def is_cached(source: Path, name: str) -> bool:
+    """Return whether a kernel was compiled by an earlier process, without importing numba.
+
+    Parameters
+    ----------
+    source
+        The file that it stands in.
+    name
+        Its function.
+    """
+    pattern = f"{source.stem}.{name}-*.py{sys.version_info[0]}{sys.version_info[1]}.nbi"
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
+    shared = [Path(named)] if named else [home, private_folder()]
+    found = [] if named else [*(source.parent / "__pycache__").glob(pattern)]
+    found += [file for folder in shared if folder for file in folder.glob(f"*/{pattern}")]
+    changed = source.stat().st_mtime
+    return any(file.stat().st_mtime >= changed for file in found)
 
 
 def private_folder() -> Path | None:

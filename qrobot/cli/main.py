@@ -26,6 +26,7 @@ COMMANDS = {
     "bench": "Compare backends on a folder of instances.",
     "export": "Write the model of an instance as a file for other programs.",
     "reproduce": "Reproduce the tables and figures of the paper, its seconds beside ours.",
+    "compile": "Compile the searches for this machine, so that no plan waits for it.",
     "jobs": "List, fetch and cancel jobs on remote machines.",
     "health": "Prove that every installed stack computes right.",
     "image": "Prepare the card of a Raspberry Pi for its first boot.",

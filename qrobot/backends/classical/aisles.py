@@ -1,12 +1,25 @@
-"""Whether whole orders in aisles are planned with exact tours, compiled."""
+"""Whether whole orders in aisles are planned by the compiled kernels, with exact tours."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from qrobot import _jit
+from qrobot.backends.base import Stop
 from qrobot.problem import AisleWarehouse, Instance
 from qrobot.warehouse import MAX_CROSS_AISLES
 
-__all__ = ["takes"]
+__all__ = ["NOT_COMPILED", "compiled_soon", "takes"]
+
+COMPILING = 120.0
+"""Seconds that compiling may take on a small robot: with less time, only cached kernels run."""
+
+NOT_COMPILED = (
+    "the search with exact tours is not compiled yet, so a slower one ran: "
+    "`qrobot compile` does it once for this machine"
+)
+
+KERNELS = (("batching/annealing.py", "_anneal"), ("generation/batches.py", "_list_batches"))
 
 
 def takes(instance: Instance) -> bool:
@@ -19,3 +32,11 @@ def takes(instance: Instance) -> bool:
         and bool(instance.orders)
         and _jit.available()
     )
+
+
+def compiled_soon(stop: Stop) -> bool:
+    """Return whether the kernels are in numba's cache, or the time allows to compile them."""
+    if stop.remaining >= COMPILING:
+        return True
+    here = Path(__file__).parent
+    return all(_jit.is_cached(here / file, name) for file, name in KERNELS)

@@ -52,10 +52,7 @@ def search_aisles(
     instance: Instance, stop: Stop, seed: int, start: Routes | None, on_best: OnBest | None
 ) -> Search:
     """Search for batches until `stop`; see `Planner.search`."""
-    search = _Search(instance, seed, start, on_best)
-    if search.orders is None:
-        return Search(routes=start)
-    return search.run(stop)
+    return _Search(instance, seed, start, on_best).run(stop)
 
 
 class _Search:
@@ -103,7 +100,7 @@ class _Search:
             place(self.orders, self.state, self._best_trips())
             cycle, length = cycle + 1, 2 * length
         self._tell()
-        return Search(routes=self.trips.routes(self._best()), work=self.work)
+        return Search(routes=self.trips.routes(self._best()) or None, work=self.work)
 
     def _cycle(self, stop: Stop, cycle: int, length: int) -> Stop:
         """Return a stop for the annealing of a cycle."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
-from qrobot.backends.classical.aisles import takes
+from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.backends.classical.batching.ruin import Batches, SearchData
 from qrobot.problem import Instance
 
@@ -42,7 +42,7 @@ class BatchingPlanner:
         """Search until `stop`; see `Planner.search`. `start` may leave orders out."""
         if not instance.orders:
             return Search(routes=[])
-        if takes(instance):
+        if takes(instance) and compiled_soon(stop):
             from qrobot.backends.classical.batching.aisles import search_aisles
 
             return search_aisles(instance, stop, seed, start, on_best)

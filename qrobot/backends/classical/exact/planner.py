@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats
 from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
+from qrobot.backends.classical.aisles import compiled_soon
 from qrobot.backends.classical.batching import BatchingPlanner
 from qrobot.backends.classical.exact.columns import MAX_ENTRIES, Columns, check_size, columns_of
 from qrobot.backends.classical.exact.cover import cheapest_cover, lagrangian
@@ -54,9 +55,9 @@ class ExactPlanner:
     name = "exact"
     capabilities = Capabilities(kind="planner", proves=True, max_size=50, objectives=("sum",))
 
-    def fits(self, instance: Instance) -> bool:
-        """Return whether the instance is small enough."""
-        if can_generate(instance):
+    def fits(self, instance: Instance, stop: Stop | None = None) -> bool:
+        """Return whether the instance is small enough, for the time until `stop`."""
+        if can_generate(instance) and compiled_soon(stop or Stop()):
             return True
         try:
             check_size(instance)
@@ -97,7 +98,7 @@ class ExactPlanner:
             return Search(routes=[], optimal=True)
         if objective.common_rate(instance) is None:
             return _charged(instance, objective, stop, start)
-        if can_generate(instance) and not self.at_once(instance):
+        if not self.at_once(instance) and can_generate(instance) and compiled_soon(stop):
             return generate(instance, stop, seed, start, on_best)
         return _enumerated(instance, stop, seed, start, on_best)
 

@@ -156,7 +156,11 @@ class Generation:
             Deadline and interrupts.
         """
         proof = self.proof = Proof()
-        self.upper = upper
+        # No plan costs more than a trip for each order.
+        self.upper = min(upper, 2.0 * self.scale * self.count)
+        if self.trips[0] > self.trips[1]:  # more trips are needed than there are
+            proof.complete = True
+            return proof
         self._list_all(stop)
         rows = None if self.pool is None else np.arange(len(self.pool.lengths))
         parts = [(0.0, 0, Part(0.0, self.trips, rows=rows))]
