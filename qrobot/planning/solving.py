@@ -280,13 +280,7 @@ def result_of(run: Run, backend: str) -> Result:
     if run.infeasible is not None:
         raise InfeasibleError(run.infeasible)
     if best.routes is None:
-        limits = "it was interrupted" if run.stop.requested else "the limits were reached"
-        raise InfeasibleError(
-            f"no plan was found before {limits} ({run.elapsed:.1f} s, steps: "
-            f"{', '.join(record.steps) or 'none'}); whether one exists is not known: give more "
-            f"time; {what_is_enough(run.instance)}",
-            proven=False,
-        )
+        raise InfeasibleError(_no_plan(run), proven=False)
     proven = run.finished
     plan = Plan.from_routes(run.instance, best.routes, best.objective)
     with run.timed("check"):
@@ -312,6 +306,22 @@ def result_of(run: Run, backend: str) -> Result:
         sampler=record.sampler,
         timing=record.timing,
         notes=tuple(record.notes),
+    )
+
+
+def _no_plan(run: Run) -> str:
+    """Return why a run has no plan, and what to do."""
+    steps = ", ".join(run.record.steps) or "none"
+    enough = what_is_enough(run.instance)
+    if not (run.out_of_time or run.stop(max(run.record.work.values(), default=0))):
+        return (
+            f"no plan was found by {steps} ({run.elapsed:.1f} s); whether one exists is not known: "
+            f"use another backend; {enough}"
+        )
+    limits = "it was interrupted" if run.stop.requested else "the limits were reached"
+    return (
+        f"no plan was found before {limits} ({run.elapsed:.1f} s, steps: {steps}); whether one "
+        f"exists is not known: give more time; {enough}"
     )
 
 

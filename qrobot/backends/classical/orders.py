@@ -19,7 +19,16 @@ from qrobot.problem import AisleWarehouse, Instance, Slot
 from qrobot.warehouse import Router
 from qrobot.warehouse.kernels import Layout, masks_of, tour_length
 
-__all__ = ["Batch", "Hashes", "Orders", "Trips", "lengths_of", "orders_of", "tie_of"]
+__all__ = [
+    "Batch",
+    "Hashes",
+    "Orders",
+    "Trips",
+    "lengths_of",
+    "masks_of_orders",
+    "orders_of",
+    "tie_of",
+]
 
 Hashes = npt.NDArray[np.uint64]
 
@@ -68,18 +77,23 @@ def lengths_of(layout: Layout, masks: Hashes) -> Floats:
     return np.array([tour_length(words, layout) for words in masks])
 
 
-def orders_of(instance: Instance) -> Orders:
-    """Return the orders of an instance whose warehouse has aisles."""
+def masks_of_orders(instance: Instance) -> tuple[Layout, Hashes]:
+    """Return the grid and the places of each order, of an instance whose warehouse has aisles."""
     warehouse = instance.warehouse
     assert isinstance(warehouse, AisleWarehouse)
     picks = [
         [place for v in nodes if isinstance(place := instance.items[v - 1].place, Slot)]
         for nodes in instance.order_nodes
     ]
-    layout, masks = masks_of(warehouse, picks)
+    return masks_of(warehouse, picks)
+
+
+def orders_of(instance: Instance) -> Orders:
+    """Return the orders of an instance whose warehouse has aisles."""
+    layout, masks = masks_of_orders(instance)
     alone = lengths_of(layout, masks)
-    random = np.random.default_rng(len(picks))
-    keys = random.integers(0, 2**63, len(picks), dtype=np.uint64) * np.uint64(2) + np.uint64(1)
+    random = np.random.default_rng(len(masks))
+    keys = random.integers(0, 2**63, len(masks), dtype=np.uint64) * np.uint64(2) + np.uint64(1)
     return Orders(
         masks=masks,
         weights=instance.order_weights.astype(np.int64),
