@@ -1,6 +1,8 @@
 """Shortest tours through aisle warehouses, and routing policies."""
 
+from qrobot.warehouse.policies import POLICIES, route
 from qrobot.warehouse.routing import Router, Tour
 from qrobot.warehouse.states import MAX_CROSS_AISLES
+from qrobot.warehouse.walking import Route
 
-__all__ = ["MAX_CROSS_AISLES", "Router", "Tour"]
+__all__ = ["MAX_CROSS_AISLES", "POLICIES", "Route", "Router", "Tour", "route"]
