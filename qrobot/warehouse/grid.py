@@ -101,7 +101,7 @@ def part_costs(grid: Grid, parts: npt.NDArray[np.intp], offsets: Floats) -> Floa
     costs = np.full((length.size, 6), np.inf)
     costs[:, 0] = 0.0
     costs[:, 1] = length
-    costs[:, 5] = 2 * length
+    costs[:, 2] = 2 * length
     if len(parts):
         order = np.lexsort((offsets, parts))
         part, y = parts[order], offsets[order]
@@ -109,12 +109,12 @@ def part_costs(grid: Grid, parts: npt.NDArray[np.intp], offsets: Floats) -> Floa
         last = np.append(first[1:], len(part)) - 1
         filled = part[first]
         costs[filled, 0] = np.inf
-        costs[filled, 2] = 2 * y[last]
-        costs[filled, 3] = 2 * (length[filled] - y[first])
+        costs[filled, 3] = 2 * y[last]
+        costs[filled, 4] = 2 * (length[filled] - y[first])
         gaps = np.diff(y, append=0.0)
         gaps[last] = 0.0
         widest = np.maximum.reduceat(gaps, first)
-        costs[filled, 4] = np.where(last > first, 2 * (length[filled] - widest), np.inf)
+        costs[filled, 5] = np.where(last > first, 2 * (length[filled] - widest), np.inf)
         costs[filled[~np.isfinite(length[filled])]] = np.inf
     return costs.reshape(*grid.along.shape, 6)
 

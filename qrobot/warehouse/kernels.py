@@ -52,7 +52,7 @@ class Layout(NamedTuple):
         Whether nothing is closed.
     bases, pitch
         Metres from the front of each block to its first slot, and from slot to slot.
-    ends, steps, starts
+    ends, steps, starts, marks
         The states of the sweep: begin and done, and as in `sweep.Flat`.
     states
         Number of states.
@@ -68,6 +68,7 @@ class Layout(NamedTuple):
     ends: tuple[int, int]
     steps: Numbers
     starts: Numbers
+    marks: Numbers
     states: int
 
 
@@ -204,19 +205,20 @@ def _relax(now: Floats, then: Floats, steps: Numbers, first: int, end: int, pric
 _relax = compile_kernel(_relax)
 
 
-def _prices(words: Words, column: int, block: int, layout: Layout, prices: Floats) -> None:
-    """Set what each choice for a sub-aisle costs, by `states.VERTICAL`."""
+def _prices(words: Words, column: int, block: int, layout: Layout, prices: Floats) -> Any:
+    """Set what each choice for a sub-aisle costs, by `states.VERTICAL`; return if it is empty."""
     length = layout.along[column, block]
     part = column * layout.along.shape[1] + block
     near, far, gap = _extent(words, part, layout)
     prices[:] = np.inf
-    prices[1], prices[5] = length, 2.0 * length
+    prices[1], prices[2] = length, 2.0 * length
     if near < 0.0:
         prices[0] = 0.0
     elif length < np.inf:
-        prices[2], prices[3] = 2.0 * far, 2.0 * (length - near)
+        prices[3], prices[4] = 2.0 * far, 2.0 * (length - near)
         if gap > 0.0:
-            prices[4] = 2.0 * (length - gap)
+            prices[5] = 2.0 * (length - gap)
+    return near < 0.0
 
 
 _prices = compile_kernel(_prices)
@@ -244,8 +246,12 @@ def _blocks(words: Words, layout: Layout) -> float:
             _relax(now, then, layout.steps, starts[group], starts[group + 1], walks)
             now, then = then, now
         for block in range(blocks):
-            _prices(words, column, block, layout, prices)
-            _relax(now, then, layout.steps, starts[block], starts[block + 1], prices)
+            begin, end = starts[block], starts[block + 1]
+            if _prices(words, column, block, layout, prices):
+                end = layout.marks[block, 1]  # passed or left alone
+            else:
+                begin = layout.marks[block, 0]  # not left alone
+            _relax(now, then, layout.steps, begin, end, prices)
             now, then = then, now
         for group in range(blocks, 2 * blocks + 1):
             length = layout.across[column, group - blocks] if column < last else np.inf
@@ -319,5 +325,6 @@ def masks_of(
         ends=(flat.begin, flat.done),
         steps=flat.steps,
         starts=flat.starts,
+        marks=flat.marks,
         states=flat.count,
     ), masks

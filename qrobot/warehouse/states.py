@@ -21,9 +21,10 @@ __all__ = ["MAX_CROSS_AISLES", "VERTICAL", "Steps", "Transitions", "transitions"
 MAX_CROSS_AISLES = 6
 """Layouts with more would need too many states (17,953 for seven)."""
 
-VERTICAL = ("none", "pass", "front", "back", "both", "twice")
-"""What a sub-aisle can be: not entered, passed once, entered from the front, from the back, or
-from both ends and left at the same end each, passed twice."""
+VERTICAL = ("none", "pass", "twice", "front", "back", "both")
+"""What a sub-aisle can be: not entered, passed once or twice, entered from the front, from the
+back, or from both ends and left at the same end each. The first three pick nothing in passing
+or everything, so they are all that an empty sub-aisle needs."""
 
 Steps = npt.NDArray[np.int16]
 """Shape (steps, 3): state before, state after, choice; of one state after all together."""
@@ -94,7 +95,8 @@ def transitions(cross_aisles: int) -> Transitions:
 
 
 def _table(steps: list[tuple[int, int, int]]) -> Steps:
-    return np.array([(before, after, choice) for after, before, choice in sorted(steps)], np.int16)
+    by_choice = sorted(steps, key=lambda step: step[::-1])
+    return np.array([(before, after, choice) for after, before, choice in by_choice], np.int16)
 
 
 def _named(state: list[tuple[bool, int]]) -> Touched:
@@ -116,6 +118,8 @@ def _along(state: State, block: int, choice: int) -> Iterator[State]:
     for end in reached:
         odd, part = ends[end]
         ends[end] = (odd != (kind == "pass"), part or -1 - end)
+    if kind == "twice" and ends[block][1] == ends[block + 1][1]:
+        return  # connected already: entering from one end costs less
     if kind in ("pass", "twice"):
         old, new = ends[block + 1][1], ends[block][1]
         ends = [(odd, new if part == old else part) for odd, part in ends]

@@ -32,6 +32,9 @@ class Flat:
     starts
         Where the steps of each sub-aisle begin, then those of each segment, then those of the
         depot at each crossing, then the end.
+    marks
+        Shape (blocks, 2): where the steps of each sub-aisle that enter it begin, and where those
+        that leave it at the end they entered it from.
     """
 
     count: int
@@ -39,6 +42,7 @@ class Flat:
     done: int
     steps: Numbers
     starts: Numbers
+    marks: Numbers
 
 
 @cache
@@ -46,12 +50,15 @@ def flatten(cross_aisles: int) -> Flat:
     """Return the steps of a number of cross aisles as plain arrays."""
     table = transitions(cross_aisles)
     groups: tuple[Steps, ...] = (*table.along, *table.across, *table.visit)
+    starts = np.cumsum([0, *map(len, groups)])
+    marks = [np.searchsorted(steps[:, 2], (1, 3)) for steps in table.along]
     return Flat(
         table.count,
         table.begin,
         table.done,
         np.vstack(groups).astype(np.int64),
-        np.cumsum([0, *map(len, groups)]),
+        starts,
+        np.array(marks, dtype=np.int64) + starts[: len(marks), None],
     )
 
 

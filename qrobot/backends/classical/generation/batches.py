@@ -35,6 +35,10 @@ BUCKETS = 1_000
 """Larger capacities are counted in coarser units in the bound, which stays valid."""
 
 
+Members = npt.NDArray[np.signedinteger[Any]]
+"""Shape (batches, width): orders, -1 after the last."""
+
+
 class Pool(NamedTuple):
     """Batches.
 
@@ -46,7 +50,7 @@ class Pool(NamedTuple):
         Shape (batches,).
     """
 
-    members: npt.NDArray[np.int16]
+    members: Members
     lengths: Floats
     loads: Ints
 
@@ -156,7 +160,7 @@ def _list_batches(
     scale: int,
     below: float,
     most: int,
-    members: npt.NDArray[np.int16],
+    members: Members,
     lengths: Floats,
     loads: Ints,
 ) -> tuple[int, float]:
@@ -239,7 +243,7 @@ list_batches = compile_kernel(_list_batches)
 
 
 def _reduced_costs(
-    members: npt.NDArray[np.int16], lengths: Floats, loads: Ints, prices: Prices, reduced: Floats
+    members: Members, lengths: Floats, loads: Ints, prices: Prices, reduced: Floats
 ) -> None:
     """Write the reduced cost of each batch."""
     within = np.zeros(len(prices.cuts), dtype=np.int64)
@@ -268,9 +272,7 @@ def reduced_costs(pool: Pool, prices: Prices) -> Floats:
     return reduced
 
 
-def best_for_each(
-    members: npt.NDArray[np.int16], reduced: Floats, count: int
-) -> npt.NDArray[np.intp]:
+def best_for_each(members: Members, reduced: Floats, count: int) -> npt.NDArray[np.intp]:
     """Return the rows of the batches of least negative reduced cost for each order."""
     rows = np.flatnonzero(reduced < 0.0)
     if len(rows) > 200 * count:

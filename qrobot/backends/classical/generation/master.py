@@ -18,7 +18,7 @@ from qrobot.backends.classical.orders import Batch
 
 __all__ = ["Master", "Pairs"]
 
-Members = npt.NDArray[np.int16]
+Members = npt.NDArray[np.signedinteger[Any]]
 """Shape (batches, width): orders, -1 after the last."""
 
 Pairs = tuple[tuple[int, int], ...]

@@ -32,8 +32,8 @@ __all__ = ["Generation", "Proof"]
 
 Rows = npt.NDArray[np.intp]
 
-MOST_BATCHES = 3_000_000
-"""Batches that are listed (about 130 MB)."""
+MOST_BATCHES = 4_000_000
+"""Batches that are listed: 100 to 200 MB."""
 
 SEARCHED = 20_000
 """Batches that a search for negative reduced costs ends at."""
@@ -123,6 +123,7 @@ class Generation:
         self.trips = fewest, min(self.count, len(capacities))
         lightest = np.cumsum(np.sort(orders.weights))
         self.width = max(1, int(np.searchsorted(lightest, capacities[0], side="right")))
+        self.narrow = np.int8 if self.count <= 127 else np.int16
         self.scale = float(orders.alone.mean())
         self.random = np.random.default_rng(0)
         self.pool: Pool | None = None
@@ -133,7 +134,7 @@ class Generation:
 
     def pool_of(self, plan: list[Batch]) -> Pool:
         """Return batches given by their orders."""
-        members = np.full((len(plan), self.width), -1, dtype=np.int16)
+        members = np.full((len(plan), self.width), -1, dtype=self.narrow)
         for row, batch in enumerate(plan):
             members[row, : len(batch)] = sorted(batch)
         words = [np.bitwise_or.reduce(self.orders.masks[list(b)], axis=0) for b in plan]
@@ -227,7 +228,7 @@ class Generation:
         orders = self.orders
         table, scale = batches.room_table(orders.weights, prices.orders, int(orders.capacities[0]))
         pool = Pool(
-            np.empty((most, self.width), dtype=np.int16),
+            np.empty((most, self.width), dtype=self.narrow),
             np.empty(most),
             np.empty(most, dtype=np.int64),
         )
