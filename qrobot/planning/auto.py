@@ -32,6 +32,9 @@ the work."""
 PROOF_SHARE = 0.6
 """The proof gets this share of the time; then the search goes on."""
 
+BATCHES_SHARE = 0.8
+"""That of whole orders in aisles: no other bound comes near to it."""
+
 PACKING_SHARE = 0.3
 """A search that found no plan in this share of the time gets a packing to start from."""
 
@@ -67,7 +70,8 @@ class AutoPlanner(Strategy):
         if not run.finished and exact.fits(run.instance, run.stop) and proves:
             # A first plan tells the set partition which trips cannot be part of a better one.
             run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
-            run.plan(exact, _proving(run.stop))
+            share = BATCHES_SHARE if takes(run.instance) else PROOF_SHARE
+            run.plan(exact, _proving(run.stop, share))
         if not (run.finished or run.best.by_distance or run.best.aim(search)):
             run.record.notes.append(
                 f"no search takes account of {run.best.objective.name} here: short plans were "
@@ -155,10 +159,10 @@ class _Patient(Stop):
         return self.seconds is not None and self.elapsed > PACKING_SHARE * self.seconds
 
 
-def _proving(stop: Stop) -> Stop:
+def _proving(stop: Stop, share: float) -> Stop:
     """Return a stop that leaves a search its share when the proof takes too long."""
     left = stop.remaining
-    return stop if math.isinf(left) else stop.within(PROOF_SHARE * left)
+    return stop if math.isinf(left) else stop.within(share * left)
 
 
 def _has_cp_sat() -> bool:

@@ -8,6 +8,8 @@ the dearest orders that the capacity still takes.
 
 from __future__ import annotations
 
+import math
+import time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +17,8 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats, Ints
 from qrobot._jit import compile_kernel
-from qrobot.backends.classical.orders import Orders
+from qrobot.backends.base import Stop
+from qrobot.backends.classical.orders import Hashes, Orders
 from qrobot.warehouse.kernels import tour_length
 
 __all__ = [
@@ -23,10 +26,13 @@ __all__ = [
     "Prices",
     "best_for_each",
     "count_batches",
-    "list_batches",
+    "find_batches",
     "reduced_costs",
     "room_table",
 ]
+
+TOURS = 20_000
+"""Tours between two looks at the clock: a tenth of a second or less."""
 
 AT_ONCE = 4
 """Batches for each order that come into the linear programme together."""
@@ -153,18 +159,63 @@ def _uncount(prices: Prices, order: int, within: Ints) -> None:
 _uncount = compile_kernel(_uncount)
 
 
+class Walk(NamedTuple):
+    """Where a depth-first search stands, so that it can be continued.
+
+    Parameters
+    ----------
+    words, load, paid, length
+        Of the batch at each depth.
+    chosen, following
+        Order that leads on from each depth, and the next one to try there.
+    within
+        Shape (cuts,): sums of multipliers of the present batch.
+    at
+        Depth (-1 at the end), and how many batches were found.
+    least
+        The least reduced cost found so far.
+    """
+
+    words: Hashes
+    load: Ints
+    paid: Floats
+    length: Floats
+    chosen: Ints
+    following: Ints
+    within: Ints
+    at: Ints
+    least: Floats
+
+
+def new_walk(orders: Orders, prices: Prices, width: int) -> Walk:
+    """Return the beginning of a search for batches of at most so many orders."""
+    depths = width + 1
+    return Walk(
+        words=np.zeros((depths, *orders.masks.shape[1:]), dtype=np.uint64),
+        load=np.zeros(depths, dtype=np.int64),
+        paid=np.zeros(depths),
+        length=np.zeros(depths),
+        chosen=np.zeros(depths, dtype=np.int64),
+        following=np.zeros(depths, dtype=np.int64),
+        within=np.zeros(len(prices.cuts), dtype=np.int64),
+        at=np.zeros(2, dtype=np.int64),
+        least=np.full(1, np.inf),
+    )
+
+
 def _list_batches(
     orders: Orders,
     prices: Prices,
     table: Floats,
     scale: int,
     below: float,
-    most: int,
+    walk: Walk,
+    tours: int,
     members: Members,
     lengths: Floats,
     loads: Ints,
-) -> tuple[int, float]:
-    """Write the batches of a reduced cost below a limit.
+) -> None:
+    """Write the batches of a reduced cost below a limit, until the room for them is full.
 
     Parameters
     ----------
@@ -176,28 +227,20 @@ def _list_batches(
         From `room_table`.
     below
         The limit, metres.
-    most
-        Ends when so many were found.
+    walk
+        Where the search stands; changed.
+    tours
+        How many tours are measured before it pauses.
     members, lengths, loads
-        Room for them.
-
-    Returns
-    -------
-    tuple
-        How many were found, and the least reduced cost of all (``inf`` when there is none).
+        Room for batches.
     """
-    count, width = len(orders.weights), members.shape[1]
-    capacity = orders.capacities[0]
-    words = np.zeros((width + 1, orders.masks.shape[1], orders.masks.shape[2]), dtype=np.uint64)
-    load = np.zeros(width + 1, dtype=np.int64)
-    paid = np.zeros(width + 1)
-    length = np.zeros(width + 1)
-    chosen = np.zeros(width + 1, dtype=np.int64)
-    following = np.zeros(width + 1, dtype=np.int64)
-    within = np.zeros(len(prices.cuts), dtype=np.int64)
-    found, least = 0, np.inf
-    depth = 0
-    while depth >= 0:
+    count, width, most = len(orders.weights), members.shape[1], len(lengths)
+    weights, alone, capacity = orders.weights, orders.alone, orders.capacities[0]
+    words, load, paid, length = walk.words, walk.load, walk.paid, walk.length
+    chosen, following, within = walk.chosen, walk.following, walk.within
+    depth, found = walk.at
+    least = walk.least[0]
+    while depth >= 0 and tours > 0 and found < most:
         order = following[depth]
         if order >= count or depth == width:
             depth -= 1
@@ -205,41 +248,79 @@ def _list_batches(
                 _uncount(prices, chosen[depth], within)
             continue
         following[depth] = order + 1
-        heavy = load[depth] + orders.weights[order]
+        heavy = load[depth] + weights[order]
         if heavy > capacity:
             continue
         gain = paid[depth] + prices.orders[order]
-        room = (capacity - heavy) // scale
-        more = table[order + 1, room]
+        more = table[order + 1, (capacity - heavy) // scale]
         trip = _trip_price(heavy, prices)
-        if max(length[depth], orders.alone[order]) - gain - trip - more >= below:
+        if max(length[depth], alone[order]) - gain - trip - more >= below:
             continue
         gain += _count(prices, order, within)
         words[depth + 1] = words[depth] | orders.masks[order]
         tour = tour_length(words[depth + 1], orders.layout)
+        tours -= 1
         reduced = tour - gain - trip
+        chosen[depth] = order
         if reduced < below:
             least = min(least, reduced)
-            if found < most:
-                for k in range(depth):
-                    members[found, k] = chosen[k]
-                members[found, depth] = order
-                members[found, depth + 1 :] = -1
-                lengths[found], loads[found] = tour, heavy
+            members[found, : depth + 1] = chosen[: depth + 1]
+            members[found, depth + 1 :] = -1
+            lengths[found], loads[found] = tour, heavy
             found += 1
-            if found == most:
-                break
         if reduced - more >= below:
             _uncount(prices, order, within)
             continue
-        chosen[depth] = order
         load[depth + 1], paid[depth + 1], length[depth + 1] = heavy, gain, tour
         following[depth + 1] = order + 1
         depth += 1
-    return found, least
+    walk.at[0], walk.at[1] = depth, found
+    walk.least[0] = least
 
 
 list_batches = compile_kernel(_list_batches)
+
+
+def find_batches(
+    orders: Orders,
+    prices: Prices,
+    below: float,
+    room: Pool,
+    stop: Stop,
+    expected: float = 0.0,
+) -> tuple[Pool, float]:
+    """Return batches below a reduced cost, and the least of all.
+
+    Parameters
+    ----------
+    orders, prices
+        The question, and what batches are paid.
+    below
+        The limit, metres.
+    room
+        Where batches are written; the search ends when it is full.
+    stop
+        Deadline and interrupts.
+    expected
+        How many there are: the search ends early when its pace shows that time is too short.
+
+    Returns
+    -------
+    tuple
+        The batches, and the least reduced cost; ``-inf`` where the search ended early.
+    """
+    table, scale = room_table(orders.weights, prices.orders, int(orders.capacities[0]))
+    walk = new_walk(orders, prices, room.members.shape[1])
+    began = time.perf_counter()
+    while walk.at[0] >= 0 and walk.at[1] < len(room.lengths) and not stop():
+        list_batches(orders, prices, table, scale, below, walk, TOURS, *room)
+        found = int(walk.at[1])
+        if expected and found >= TOURS // 2:
+            pace = (time.perf_counter() - began) / found
+            if pace * (expected - found) > stop.remaining:
+                break
+    least = float(walk.least[0]) if walk.at[0] < 0 else -math.inf
+    return room.take(slice(int(walk.at[1]))), least
 
 
 def _reduced_costs(

@@ -221,19 +221,18 @@ class Generation:
         expected = batches.count_batches(weights, most)
         if expected <= MOST_BATCHES and not stop():
             free = self._prices(np.zeros(self.count), np.zeros(len(self.fleet)), np.zeros(0))
-            self.pool, _ = self._search(free, math.inf, int(expected) + 2)
+            pool, least = self._search(free, math.inf, int(expected) + 2, stop, expected)
+            self.pool = pool if least > -math.inf else None
 
-    def _search(self, prices: Prices, below: float, most: int) -> tuple[Pool, float]:
-        """Return batches below a reduced cost, and the least (-inf where there are too many)."""
-        orders = self.orders
-        table, scale = batches.room_table(orders.weights, prices.orders, int(orders.capacities[0]))
-        pool = Pool(
+    def _search(
+        self, prices: Prices, below: float, most: int, stop: Stop, expected: float = 0.0
+    ) -> tuple[Pool, float]:
+        room = Pool(
             np.empty((most, self.width), dtype=self.narrow),
             np.empty(most),
             np.empty(most, dtype=np.int64),
         )
-        found, least = batches.list_batches(orders, prices, table, scale, below, most, *pool)
-        return pool.take(slice(found)), least if found < most else -math.inf
+        return batches.find_batches(self.orders, prices, below, room, stop, expected)
 
     def _prices(self, of_orders: Floats, of_trips: Floats, of_cuts: Floats) -> Prices:
         of: list[list[tuple[int, int]]] = [[] for _ in range(self.count)]
@@ -283,7 +282,9 @@ class Generation:
             prices = self._prices(*self.master.prices)
             offset = self.tie - self.master.trip_price
             if pool is None:
-                found, least = self._search(prices, -offset - TOLERANCE * self.scale, SEARCHED)
+                found, least = self._search(
+                    prices, -offset - TOLERANCE * self.scale, SEARCHED, stop
+                )
                 reduced = batches.reduced_costs(found, prices) + offset
                 least = min(0.0, least + offset)
             else:
@@ -321,7 +322,7 @@ class Generation:
             return
         prices = self._prices(*self.master.prices)
         below = self.limit - part.bound - self.tie + self.master.trip_price
-        pool, least = self._search(prices, below, MOST_BATCHES)
+        pool, least = self._search(prices, below, MOST_BATCHES, stop)
         if least > -math.inf:
             self.pool, part.rows = pool, np.arange(len(pool.lengths))
 
