@@ -10,23 +10,35 @@ from qrobot.planning.run import Progress
 from qrobot.planning.solving import DEFAULT_DEADLINE, solve
 
 if TYPE_CHECKING:
+    from qrobot.planning.ranking import RankedOrder, rank_orders
     from qrobot.planning.remote_jobs import collect, estimate, submit
 
 __all__ = [
     "DEFAULT_DEADLINE",
     "Progress",
+    "RankedOrder",
     "Result",
     "SamplerReport",
     "Timing",
     "collect",
     "estimate",
+    "rank_orders",
     "solve",
     "submit",
 ]
 
 
+_LAZY = {
+    "RankedOrder": "qrobot.planning.ranking",
+    "collect": "qrobot.planning.remote_jobs",
+    "estimate": "qrobot.planning.remote_jobs",
+    "rank_orders": "qrobot.planning.ranking",
+    "submit": "qrobot.planning.remote_jobs",
+}
+"""Loaded on first use: remote jobs need dimod, which takes longer to load than all of the rest."""
+
+
 def __getattr__(name: str) -> Any:
-    # Loaded on first use: they need dimod, which takes longer to load than all of the rest.
-    if name not in ("collect", "estimate", "submit"):
+    if name not in _LAZY:
         raise AttributeError(f"module 'qrobot.planning' has no attribute {name!r}")
-    return getattr(importlib.import_module("qrobot.planning.remote_jobs"), name)
+    return getattr(importlib.import_module(_LAZY[name]), name)

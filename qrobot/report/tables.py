@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from qrobot._extras import install_command
 from qrobot._numbers import number
-from qrobot._text import columns
+from qrobot._text import columns, shown
 from qrobot.backends import available, get, names, registry
 from qrobot.errors import QRobotError
 
 if TYPE_CHECKING:
-    from qrobot.planning import Result
+    from collections.abc import Sequence
 
-__all__ = ["backend_rows", "backend_table", "table"]
+    from qrobot.planning import RankedOrder, Result
+
+__all__ = ["backend_rows", "backend_table", "ranking_table", "table"]
 
 STOPS_WIDTH = 60
 
@@ -42,6 +45,21 @@ def table(result: Result) -> str:
         rows.extend([["", "", "", "", "", "", more] for more in wrapped[1:]])
     heads = ["trip", "robot", "load", "distance", "time", "orders", "stops in sequence"]
     return columns(heads, rows, numbers=frozenset({0, 2, 3, 4, 5}))
+
+
+def ranking_table(ranked: Sequence[RankedOrder]) -> str:
+    """Return orders as `rank_orders` ranks them as aligned text; ``-``: no way leads there."""
+    heads = ["order", "extra distance", "distance", "seconds", "load"]
+    rows = [
+        [
+            shown(one.order),
+            *("-" if math.isinf(v) else number(v) for v in (one.extra, one.distance)),
+            "-" if math.isinf(one.seconds) else f"{one.seconds:.0f} s",
+            number(one.load),
+        ]
+        for one in ranked
+    ]
+    return columns(heads, rows, numbers=frozenset({1, 2, 3, 4}))
 
 
 def backend_rows() -> list[dict[str, Any]]:

@@ -59,6 +59,8 @@ COMMANDS = [
     Command(f"solve {QUESTION} --robots 1 --capacity 8", code=1),
     Command("solve missing.json", code=2),
     Command(f"solve {QUESTION} --dry-run"),
+    Command(f"next {QUESTION}", states="few"),
+    Command(f"next {QUESTION} --json", states="few"),
     Command(f"check plan.json {QUESTION}", states="all"),
     Command(f"check plan.json {QUESTION} --json"),
     Command(f"check wrong.json {QUESTION}", code=1),

@@ -18,7 +18,7 @@ from qrobot._arrays import Floats, Ints
 from qrobot.backends.classical.batching.tour import improve_tour, tour_length
 from qrobot.backends.classical.exact.subsets import fitting_subsets, shortest_tours
 
-__all__ = ["MAX_STOPS", "shortest_tour", "tour_bound"]
+__all__ = ["MAX_LISTED", "MAX_STOPS", "nearest_tour", "shortest_tour", "tour_bound"]
 
 
 MAX_LISTED = 12
@@ -151,7 +151,7 @@ def shortest_tour(d: Floats, stop: Callable[[], bool]) -> tuple[float, list[int]
             return None
         row = tours.row((1 << n) - 1)
         return float(tours.lengths[row]), [s + 1 for s in tours.stops(row)]
-    known = improve_tour(d, _nearest(d))
+    known = improve_tour(d, nearest_tour(d))
     if bool((d == d.T).all()):
         return _branch(d, known, stop)
     length = tour_length(d, known)
@@ -244,7 +244,7 @@ def _walked(tree: _Tree, weights: Floats) -> list[int]:
     return tour
 
 
-def _nearest(d: Floats) -> list[int]:
+def nearest_tour(d: Floats) -> list[int]:
     """Return the tour that always goes to the nearest stop that is left."""
     left, at, tour = set(range(1, len(d))), 0, []
     while left:
