@@ -46,7 +46,7 @@ __all__ = ["command"]
 @objective
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of every random choice.")
 @reading_options
-@click.option("--encoding", help="Sampler: full, reduced or compact.")
+@click.option("--encoding", help="Sampler: full, reduced, compact or batches.")
 @click.option("--slack", help="Sampler: exact or paper.")
 @click.option("--reads", type=int, help="Sampler: number of reads.")
 @click.option(

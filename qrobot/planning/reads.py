@@ -27,7 +27,14 @@ from qrobot.planning.run import Run
 from qrobot.planning.strategy import ARGUMENTS, MODEL_OPTIONS
 from qrobot.problem.formats.native import to_text
 
-__all__ = ["ROUNDS", "parameters_of", "sample_in_rounds", "split_options", "take_reads"]
+__all__ = [
+    "ROUNDS",
+    "call_parameters",
+    "parameters_of",
+    "sample_in_rounds",
+    "split_options",
+    "take_reads",
+]
 
 MAX_CELLS = 500_000_000
 """Reads times variables, one byte each: more than this fills a small robot's memory."""
@@ -168,13 +175,9 @@ def parameters_of(
     d = model.instance.place_distances
     useful = d <= model.instance.longest_useful
     largest = float(d.max(initial=0.0, where=useful & np.isfinite(d))) or 1.0
-    parameters = sampler.picking_defaults(largest_distance=largest) | sampling
-    if "seed" in sampler.parameters:
-        parameters.setdefault("seed", seed)
-    if "interrupt_function" in sampler.parameters:
-        left = stop.remaining
-        part = stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
-        parameters.setdefault("interrupt_function", part)
+    left = stop.remaining
+    part = stop.within(SAMPLING_SHARE * left if math.isfinite(left) else None)
+    parameters = call_parameters(sampler, largest, sampling, part, seed)
     if stop.max_work is not None and "num_reads" in sampler.parameters:
         parameters["num_reads"] = min(parameters.get("num_reads") or 100, stop.max_work)
     reads = parameters.get("num_reads")
@@ -184,6 +187,22 @@ def parameters_of(
             field="num_reads",
             advice=f"use at most {MAX_CELLS // model.num_variables}",
         )
+    return parameters
+
+
+def call_parameters(
+    sampler: PickingSampler,
+    scale: float,
+    sampling: Mapping[str, Any],
+    stop: Stop,
+    seed: int,
+) -> dict[str, Any]:
+    """Return a sampler's defaults for a scale of energies, and what it is asked for."""
+    parameters = sampler.picking_defaults(largest_distance=scale) | dict(sampling)
+    if "seed" in sampler.parameters:
+        parameters.setdefault("seed", seed)
+    if "interrupt_function" in sampler.parameters:
+        parameters.setdefault("interrupt_function", stop)
     return parameters
 
 

@@ -17,6 +17,7 @@ from qrobot.errors import BackendError, InputError
 from qrobot.jobs import json_data, redact_data
 from qrobot.models import PickingModel, build_model
 from qrobot.models.layout import MAX_VARIABLES
+from qrobot.planning.batch_sampling import plan_batches, wants_batches
 from qrobot.planning.reads import sample_in_rounds, split_options
 from qrobot.planning.result import SamplerReport
 from qrobot.planning.run import Run
@@ -101,6 +102,9 @@ class SamplerStrategy(Strategy):
                     field=name,
                     advice=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
                 )
+        if wants_batches(instance, sampler, options):
+            plan_batches(run, sampler, options, control=self._control)
+            return
         chosen, sampling = split_options(sampler, options)
         run.begin(sampler.name)
         with run.timed("build"):

@@ -65,7 +65,7 @@ class _Search:
         self.instance, self.on_best = instance, on_best
         self.trips = Trips(instance)
         orders = orders_of(instance)
-        first = _first_fit(orders)
+        first = first_fit(orders)
         # More trips than a packing needs only make the search larger.
         packed = len(np.unique(first)) + SPARE_TRIPS
         if (orders.capacities == orders.capacities[0]).all() or packed >= len(orders.capacities):
@@ -174,7 +174,7 @@ class _Search:
         self.told = min(self.told, float(self.state.figures[1]))
 
 
-def _first_fit(orders: Orders) -> Ints:
+def first_fit(orders: Orders) -> Ints:
     """Return trips by first fit of the heaviest; what fits nowhere overloads the emptiest trip."""
     room = orders.capacities.copy()
     trips = np.zeros(len(orders.weights), dtype=np.int64)

@@ -1,0 +1,149 @@
+"""Samplers that batch whole orders in aisles: the loop, its report, its control."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import dimod
+import numpy as np
+import pytest
+
+import qrobot
+from qrobot import _jit
+from qrobot.backends import Capabilities, Stop, get
+from qrobot.backends.sampler import PickingSampler
+from qrobot.errors import InputError
+from qrobot.plan.checker import check
+from qrobot.planning.batch_sampling import wants_batches
+from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
+
+if not _jit.available():
+    pytest.skip("numba is not installed", allow_module_level=True)
+
+from qrobot.planning.proposals import BatchLoop, RandomSource, mean_distance
+
+
+def whole_orders(count: int, robots: int, seed: int = 0, room: int = 9) -> Instance:
+    """Return orders of three items each in two blocks of aisles."""
+    rng = np.random.default_rng(seed)
+    items = tuple(
+        Item(f"i{k}", Fraction(1), Slot(*(int(v) for v in rng.integers((6, 8, 2)))))
+        for k in range(3 * count)
+    )
+    return Instance(
+        warehouse=AisleWarehouse(6, 8, 2),
+        items=items,
+        orders=tuple(
+            Order(f"o{k}", tuple(f"i{3 * k + j}" for j in range(3))) for k in range(count)
+        ),
+        robots=tuple(Robot(f"R{k}", Fraction(room)) for k in range(robots)),
+    )
+
+
+class Zeros(PickingSampler):
+    """A sampler that only ever says no: every plan is repair's work."""
+
+    name = "neal"
+    capabilities = Capabilities(kind="sampler")
+    parameters = {"num_reads": [], "seed": []}  # noqa: RUF012
+    properties = {}  # noqa: RUF012
+
+    def sample(self, bqm, *, num_reads=1, seed=None):
+        rows = np.zeros((num_reads, len(bqm.variables)), dtype=np.int8)
+        return dimod.SampleSet.from_samples_bqm((rows, list(bqm.variables)), bqm)
+
+
+@pytest.mark.parametrize("backend", ["neal", "tabu", "descent"])
+def test_a_sampler_batches_more_orders_than_sequences_allow(backend: str) -> None:
+    instance = whole_orders(12, 12)
+    first = qrobot.solve(instance, backend=backend, max_work=16, seed=3)
+    assert check(first.plan, instance).ok
+    assert first.sampler is not None
+    assert first.sampler.encoding == "batches"
+    assert first.work[backend] == 16
+    parts = first.sampler.details["batches"]
+    assert first.sampler.reads == parts["assignment"]["proposals"] == 10
+    assert parts["selection"]["proposals"] == 6
+    again = qrobot.solve(instance, backend=backend, max_work=16, seed=3)
+    assert again.plan.to_dict() == first.plan.to_dict()
+    assert again.sampler == first.sampler
+
+
+def test_small_questions_get_the_best_plan() -> None:
+    instance = whole_orders(6, 6, seed=4)
+    best = qrobot.solve(instance, backend="exact", deadline=60)
+    found = qrobot.solve(instance, backend="neal", encoding="batches", max_work=40)
+    assert best.is_optimal
+    assert found.cost == pytest.approx(best.cost)
+
+
+def test_what_repair_did_is_not_the_samplers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("qrobot.planning.solving.get", lambda _: Zeros())
+    instance = whole_orders(12, 12)
+    result = qrobot.solve(instance, backend="neal", max_work=12, control=True)
+    assert result.sampler is not None
+    assert result.sampler.feasible_fraction == 0.0
+    assert result.sampler.best is None
+    assert result.sampler.polished_best == pytest.approx(result.cost)
+    control = result.sampler.details["control"]
+    parts = ("assignment", "selection")
+    assert sum(control[part]["proposals"] for part in parts) == 12
+    assert result.sampler.control_best is not None
+    assert "no feasible read" in result.summary()
+    assert "repair made plans of 12 of 12 proposals" in result.summary()
+
+
+def test_the_loop_prices_by_exact_tours_and_counts_every_proposal() -> None:
+    instance = whole_orders(10, 10, seed=1)
+    kept: list[tuple[float, float]] = []
+    loop = BatchLoop(
+        instance,
+        2,
+        RandomSource(),
+        lambda routes, length: kept.append((length, instance.length(routes))),
+    )
+    loop.run(Stop(max_work=25), reads=5)
+    assert loop.work == 25
+    assert loop.assignment.proposals + loop.selection.proposals == 25
+    assert kept
+    for told, measured in kept:
+        assert told == pytest.approx(measured)
+    assert loop.best == pytest.approx(min(loop.plans.values()))
+
+
+def test_unequal_robots_and_a_tight_fleet() -> None:
+    drawn = whole_orders(9, 4, seed=7)
+    rooms = (12, 9, 6, 3)
+    instance = qrobot.Instance(
+        warehouse=drawn.warehouse,
+        items=drawn.items,
+        orders=drawn.orders,
+        robots=tuple(Robot(f"R{k}", Fraction(room)) for k, room in enumerate(rooms)),
+    )
+    result = qrobot.solve(instance, backend="neal", encoding="batches", max_work=12)
+    assert check(result.plan, instance).ok
+
+
+def test_when_batches_are_sampled() -> None:
+    neal = get("neal")
+    large = whole_orders(12, 12)
+    assert wants_batches(large, neal, {})
+    assert not wants_batches(large, neal, {"encoding": "compact"})
+    assert not wants_batches(whole_orders(4, 2), neal, {})
+    with pytest.raises(InputError, match="penalties of its own"):
+        wants_batches(large, neal, {"encoding": "batches", "penalties": "safe"})
+    with pytest.raises(InputError, match="warehouse of aisles"):
+        wants_batches(qrobot.read("examples/paper-4-items.json"), neal, {"encoding": "batches"})
+
+
+def test_a_model_too_large_for_the_sampler_is_refused() -> None:
+    with pytest.raises(InputError, match="binary variables"):
+        BatchLoop(whole_orders(12, 12), 0, RandomSource(), variables=20)
+
+
+def test_the_distance_of_partitions() -> None:
+    same, apart = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
+    assert mean_distance([same, same[::-1]]) == 0.0
+    assert mean_distance([same, apart]) == 1.0
+    assert mean_distance([same, np.array([0, 0, 1, 2])]) == pytest.approx(0.5)
+    assert mean_distance([same]) is None
