@@ -94,7 +94,7 @@ def table(found: list[dict[str, Any]]) -> str:
         "plans by themselves", "their mean", "repaired: mean", "diversity", "repaired: diversity",
         "selections that are plans",
     ]  # fmt: skip
-    return "\n".join(markdown_table(heads, [_cells(row) for row in found], left=(0, 1)))
+    return "\n".join(markdown_table(heads, [_cells(row) for row in found], left=(0, 1))) + "\n"
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
@@ -125,7 +125,7 @@ def main() -> None:
         measure(instance, 0, 0.1)  # kernels are compiled before anything is timed
         runs = [measure(instance, seed, arguments.seconds) for seed in range(arguments.seeds)]
         found += rows(name, runs)
-        print(table(found[-3:]), flush=True)
+        print(table(found[-3:]), end="", flush=True)
     settings = {"seconds": arguments.seconds, "seeds": arguments.seeds, "reads": READS}
     write({"settings": settings, "rows": found, "markdown": table(found)}, arguments.json)
 

@@ -5,7 +5,7 @@
     python -m benchmarks.run --pages         # write the page from the results that are there
 
 Each part writes benchmarks/results/PART.json; the page is made from those files alone. The
-instances of QOBLIB and CVRPLIB are not part of the project: their parts run where the folder
+instances of QOBLIB, CVRPLIB and Henn are not part of the project: their parts run where the folder
 `--data` (default ../shared/data) holds them. Let nothing else run meanwhile.
 """
 
@@ -78,6 +78,8 @@ def parts(data: Path) -> dict[str, Callable[[], dict[str, Any]]]:
         found["vqe"] = lambda: script("vqe_rows", "--first", "100")
     if _installed("dwave.system"):
         found["plans"] = lambda: script("feasible_reads")
+    if _installed("numba") and (henn := data / "picking" / "henn").is_dir():
+        found["batches"] = lambda: script("hybrid_batches", "--data", str(henn))
     if (data / "qoblib").is_dir():
         found["qoblib"] = lambda: bench(
             data / "qoblib", "--backends", "auto,pyvrp", "-t", "10", "--robots", "4"

@@ -1,10 +1,10 @@
 """The loop of a sampler and exact tours: it proposes batches, which are priced and repaired.
 
-Each round has two models (`qrobot.models.batches`). The assignment's savings are fitted to exact
-tours of batches: of random ones first, then, pair by pair, of those in the best plans. Its reads
-are judged and priced as they are; then each is repaired and improved by a fixed number of moves of
-the compiled annealing. The batches of the best plans so far are the columns of the selection, whose
-reads are judged, priced and repaired in the same way.
+Each round has two models (`qrobot.models.batches`). The assignment has the savings of a surrogate
+that learns from the best plans (`qrobot.planning.surrogate`). Its reads are judged and priced as
+they are; then each is repaired and improved by a fixed number of moves of the compiled annealing.
+The batches of the best plans so far are the columns of the selection, whose reads are judged,
+priced and repaired in the same way.
 
 What proposes is exchanged for the control: `RandomSource` deals orders and draws batches at random,
 and everything else is the same.
@@ -29,6 +29,7 @@ from qrobot.backends.classical.orders import Batch, Trips, lengths_of, orders_of
 from qrobot.errors import InputError
 from qrobot.models.batches import Assignment, BatchModel, Partitions, Selection
 from qrobot.models.layout import MAX_VARIABLES
+from qrobot.planning.surrogate import Surrogate
 from qrobot.problem import AisleWarehouse, Instance
 
 __all__ = ["BatchLoop", "RandomSource", "SamplerSource", "Source", "Tally"]
@@ -47,9 +48,6 @@ DEARER, CHEAPER = 1.3, 0.9
 
 SPARE_TRIPS = 2
 """Trips of the repair more than a first packing needs."""
-
-SAMPLE = 200
-"""Random batches that the surrogate is fitted to."""
 
 PLANS, COLUMNS = 40, 400
 """Best plans that are kept, and batches of them in the selection."""
@@ -221,7 +219,7 @@ class BatchLoop:
         self.best = math.inf
         self.work = self.rounds = 0
         self.assignment, self.selection = Tally(), Tally()
-        self._fit()
+        self.surrogate = Surrogate(orders, self._length, self.rng)
 
     def run(
         self,
@@ -315,78 +313,27 @@ class BatchLoop:
         length = sum(self._length(batch) for batch in sorted(plan))
         self.plans[plan] = length
         if len(self.plans) > 2 * PLANS:
-            best = sorted(self.plans, key=lambda p: (self.plans[p], sorted(p)))[:PLANS]
-            self.plans = {p: self.plans[p] for p in best}
+            self.plans = {best: self.plans[best] for best in self._best_plans()[:PLANS]}
         if length < self.best - 1e-9:
             self.best = length
             if self._on_best is not None:
                 self._on_best(self.trips.routes(sorted(plan)), length)
         return length
 
-    def _fit(self) -> None:
-        """Fit what lengths of trips alone, savings and pairs say of the tours of batches."""
-        orders, count = self.orders, len(self.orders.weights)
-        alone = orders.alone
-        saved = np.zeros((count, count))
-        for i in range(count):
-            saved[i] = alone[i] + alone - lengths_of(orders.layout, orders.masks[i] | orders.masks)
-        np.fill_diagonal(saved, 0.0)
-        self.saved, self.pair_weight = saved, np.ones((count, count))
-        facts, lengths = [], []
-        for _ in range(SAMPLE):
-            room, batch = int(orders.capacities[0]), []
-            for order in self.rng.permutation(count).tolist():
-                if orders.weights[order] <= room:
-                    batch.append(order)
-                    room -= int(orders.weights[order])
-            facts.append(self._facts(tuple(batch)))
-            lengths.append(self._length(tuple(sorted(batch))))
-        self.fitted = np.linalg.lstsq(np.array(facts), np.array(lengths), rcond=None)[0]
-
-    def _facts(self, batch: Batch) -> list[float]:
-        at = list(batch)
-        pairs = len(at) * (len(at) - 1) / 2
-        saved = float(self.saved[np.ix_(at, at)].sum()) / 2.0
-        return [float(self.orders.alone[at].sum()), saved, pairs, 1.0]
-
-    def _learn(self) -> None:
-        """Correct the weight of each pair by what its batches in the best plans really save."""
-        count = len(self.orders.weights)
-        total, times = np.zeros((count, count)), np.zeros((count, count))
-        for plan in sorted(self.plans, key=lambda p: (self.plans[p], sorted(p)))[:PLANS]:
-            for batch in plan:
-                if len(batch) < 2:
-                    continue
-                expected = float(np.dot(self.fitted, self._facts(batch)))
-                excess = (expected - self._length(batch)) / (len(batch) * (len(batch) - 1) / 2)
-                at = np.ix_(batch, batch)
-                total[at] += excess
-                times[at] += 1.0
-        self.learnt = np.where(times > 0, total / np.maximum(times, 1.0), 0.0)
-
     def _assignment(self) -> tuple[BatchModel, float]:
-        self._learn()
-        weights = self.orders.weights
-        count = len(weights)
-        savings = -(self.fitted[1] * self.saved + self.fitted[2]) + self.learnt
-        # Plans have about as many pairs, so only differences between pairs matter.
-        level = float(savings[np.triu_indices(count, 1)].mean()) if count > 1 else 0.0
-        savings = savings - level
-        np.fill_diagonal(savings, 0.0)
-        room = int(self.slots[0])
+        weights, room = self.orders.weights, int(self.slots[0])
+        savings = self.surrogate.savings(self._best_plans()[:PLANS])
         gain = Assignment.usual_gain(weights, savings, room)
-        model = Assignment(
-            weights,
-            self.slots,
-            self.fitted[0] * self.orders.alone,
-            savings,
-            *Assignment.measured(weights, savings, room),
-        )
+        penalties = Assignment.measured(weights, savings, room)
+        model = Assignment(weights, self.slots, self.surrogate.alone, savings, *penalties)
         return model, 4.0 * gain
+
+    def _best_plans(self) -> list[frozenset[Batch]]:
+        return sorted(self.plans, key=lambda plan: (self.plans[plan], sorted(plan)))
 
     def _selection(self) -> tuple[BatchModel, float]:
         columns: dict[Batch, None] = {}
-        for plan in sorted(self.plans, key=lambda p: (self.plans[p], sorted(p))):
+        for plan in self._best_plans():
             if len(columns) >= self.columns:
                 break
             columns.update(dict.fromkeys(sorted(plan)))
