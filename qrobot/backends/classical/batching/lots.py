@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from qrobot._arrays import Floats, Ints
-from qrobot.backends.base import Routes
+from qrobot.backends.base import Routes, Stop
 from qrobot.backends.classical.aisles import takes
 from qrobot.backends.classical.batching.tour import improve_tour, tour_length
 from qrobot.problem import Instance
@@ -34,20 +34,23 @@ class Tours(Protocol):
         """Return the routes of batches of orders."""
 
 
-def tours_of(instance: Instance) -> Tours:
-    """Return the tours of an instance's orders: shortest ones where there are aisles."""
+def tours_of(instance: Instance, stop: Stop) -> Tours:
+    """Return the tours of an instance's orders: shortest ones where there are aisles.
+
+    Elsewhere tours are no longer improved after `stop`.
+    """
     if takes(instance):
         from qrobot.backends.classical.batching.aisle_lots import AisleTours  # loads numba
 
         return AisleTours(instance)
-    return StopTours(instance)
+    return StopTours(instance, stop)
 
 
 class StopTours:
     """Tours past stops: inserted one after the other, then 2-opt and or-opt."""
 
-    def __init__(self, instance: Instance) -> None:
-        self._instance = instance
+    def __init__(self, instance: Instance, stop: Stop) -> None:
+        self._instance, self._stop = instance, stop
         self._d = instance.stop_distances
         stops: list[list[int]] = [[] for _ in instance.orders]
         for s, nodes in enumerate(instance.stops):
@@ -100,7 +103,7 @@ class StopTours:
             a, b = way[:-1], way[1:]
             added = self._d[a, stop] + self._d[stop, b] - self._d[a, b]
             way = np.insert(way, int(added.argmin()) + 1, stop)
-        return improve_tour(self._d, way[1:-1].tolist())
+        return improve_tour(self._d, way[1:-1].tolist(), self._stop)
 
 
 class Lots:
@@ -108,8 +111,8 @@ class Lots:
 
     Parameters
     ----------
-    instance
-        The question.
+    instance, stop
+        The question, and when to leave off improving tours.
 
     Attributes
     ----------
@@ -117,8 +120,8 @@ class Lots:
         Whether the orders fit the trips, as far as `packed` finds out.
     """
 
-    def __init__(self, instance: Instance) -> None:
-        self.tours = tours_of(instance)
+    def __init__(self, instance: Instance, stop: Stop) -> None:
+        self.tours = tours_of(instance, stop)
         self.loads: Ints = instance.order_weights.astype(np.int64)
         self.capacities: Ints = instance.vehicle_capacities.astype(np.int64)
         self.orders = [[order] for order in range(len(self.loads))]

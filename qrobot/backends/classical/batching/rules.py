@@ -73,7 +73,7 @@ class FirstComePlanner(_Rule):
 
     name = "fcfs"
 
-    def batch(self, instance: Instance, stop: Stop) -> Iterator[tuple[Routes, int]]:  # noqa: ARG002 - it takes no time
+    def batch(self, instance: Instance, stop: Stop) -> Iterator[tuple[Routes, int]]:
         """Yield the one plan of the rule."""
         loads, rooms = instance.order_weights.astype(np.int64), instance.vehicle_capacities
         capacities = rooms.astype(np.int64)
@@ -84,7 +84,7 @@ class FirstComePlanner(_Rule):
             trips = packed(loads, capacities)
         if trips is not None:
             batches = [np.flatnonzero(trips == trip).tolist() for trip in np.unique(trips)]
-            yield tours_of(instance).routes(batches), len(loads)
+            yield tours_of(instance, stop).routes(batches), len(loads)
 
 
 def _in_sequence(loads: Ints, capacities: Ints, *, closing: bool) -> Ints | None:
@@ -132,7 +132,7 @@ class SeedPlanner(_Rule):
         """Yield the plan of each rule."""
         work = 0
         for choose, saving in product(SEEDS, (True, False)):
-            lots = Lots(instance)
+            lots = Lots(instance, stop)
             if not lots.possible or (work and stop(work)):
                 return
             before = work
@@ -179,7 +179,7 @@ class SavingsPlanner(_Rule):
 
     def batch(self, instance: Instance, stop: Stop) -> Iterator[tuple[Routes, int]]:
         """Yield the one plan of the rule."""
-        lots = Lots(instance)
+        lots = Lots(instance, stop)
         if lots.possible:
             work = _join_by_savings(lots, stop)
             yield lots.routes(), work
