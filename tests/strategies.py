@@ -67,7 +67,7 @@ def aisle_warehouses(draw: st.DrawFn, *, closed: bool = False) -> AisleWarehouse
         closed_crossings=draw(_some_of(segments) if closed else st.just(frozenset())),
         block_gaps=draw(st.just(()) | gaps),
     )
-    return draw(_with_depot_ways(house))
+    return draw(_with_depot_ways(house) | _between_aisles(house))
 
 
 @st.composite
@@ -85,6 +85,15 @@ def _with_depot_ways(draw: st.DrawFn, house: AisleWarehouse) -> AisleWarehouse:
         return dataclasses.replace(house, depot_ways=ways)
     except InputError:  # where a cross aisle is closed, they would be a short cut
         return house
+
+
+def _between_aisles(house: AisleWarehouse) -> st.SearchStrategy[AisleWarehouse]:
+    """Move the depot between two aisles, where the segment is there and open."""
+    segment = house.depot_cross_aisle, house.depot_aisle
+    if house.depot_aisle == house.aisles - 1 or segment in house.closed_crossings:
+        return st.just(house)
+    part = st.sampled_from([0.25, 0.5, 0.75])
+    return part.map(lambda p: dataclasses.replace(house, depot_offset=p * house.aisle_pitch))
 
 
 def _some_of(

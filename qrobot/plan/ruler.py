@@ -103,7 +103,10 @@ class _Walk:
         """Return the crossings next to a place and how far they are; None is the depot."""
         w = self._w
         if not isinstance(place, Slot):
-            ways = ((w.depot_aisle, w.depot_distance), *w.depot_ways)
+            left, right = w.depot_offset, w.aisle_pitch - w.depot_offset
+            ways = [(w.depot_aisle, w.depot_distance + left), *w.depot_ways]
+            if w.depot_offset:
+                ways.append((w.depot_aisle + 1, w.depot_distance + right))
             return {(aisle, w.depot_cross_aisle): length for aisle, length in ways}
         if (place.aisle, place.block) in w.closed_aisles:
             return {}

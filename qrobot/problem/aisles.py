@@ -55,6 +55,9 @@ class AisleWarehouse:
     depot_ways
         Further straight ways ``(aisle, length)`` from the depot, to other crossings of its cross
         aisle. None may be a short cut between crossings: the depot is only where trips end.
+    depot_offset
+        The depot's way leads to a place so many metres to the right of `depot_aisle`, between two
+        aisles of an open segment; then there are no `depot_ways`.
     """
 
     aisles: int
@@ -70,6 +73,7 @@ class AisleWarehouse:
     closed_crossings: frozenset[tuple[int, int]] = field(default_factory=frozenset)
     block_gaps: tuple[tuple[float, float], ...] = ()
     depot_ways: tuple[tuple[int, float], ...] = ()
+    depot_offset: float = 0.0
     kind: Literal["aisles"] = "aisles"
 
     is_metric: ClassVar = True
@@ -102,6 +106,8 @@ class AisleWarehouse:
         for cross_aisle, aisle in self.closed_crossings:
             check_index(cross_aisle, "closed_crossings[].cross_aisle", count=self.blocks + 1)
             check_index(aisle, "closed_crossings[].aisle", count=self.aisles - 1)
+        if self.depot_offset:
+            self._check_offset()
         if self.depot_ways:
             self._check_ways()
 
@@ -119,6 +125,27 @@ class AisleWarehouse:
             if length < MIN_PITCH:
                 field = f"block_gaps[{b}].front" if self.block_gaps else "end_gap"
                 raise InputError("0 leaves no aisle", field=field, advice="use metres above 0")
+
+    def _check_offset(self) -> None:
+        check_length(self.depot_offset, "depot.offset", most=MAX_PITCH)
+        if self.depot_ways:
+            raise InputError(
+                "a depot between two aisles has one way only",
+                field="depot.ways",
+                advice="leave depot.offset or depot.ways out",
+            )
+        if self.depot_offset >= self.aisle_pitch or self.depot_aisle == self.aisles - 1:
+            raise InputError(
+                f"the depot is not between aisle {self.depot_aisle} and the next",
+                field="depot.offset",
+                advice="count it from the aisle to the left, less than an aisle pitch",
+            )
+        if (self.depot_cross_aisle, self.depot_aisle) in self.closed_crossings:
+            raise InputError(
+                "the depot is on a closed segment of its cross aisle",
+                field="depot.offset",
+                advice="open it, or move the depot",
+            )
 
     def _check_ways(self) -> None:
         for i, (aisle, length) in enumerate(self.depot_ways):
@@ -157,13 +184,16 @@ class AisleWarehouse:
     @property
     def doors(self) -> list[Door]:
         """The crossings that the depot has ways to, and the lengths of these, metres."""
-        ways = ((self.depot_aisle, self.depot_distance), *self.depot_ways)
+        aisle, length, offset = self.depot_aisle, self.depot_distance, self.depot_offset
+        ways = ((aisle, length + offset), *self.depot_ways)
+        if offset:
+            ways = (*ways, (aisle + 1, length + self.aisle_pitch - offset))
         return [((aisle, self.depot_cross_aisle), length) for aisle, length in ways]
 
     @property
     def depot(self) -> tuple[float, float]:
         """Where the depot is drawn, metres."""
-        x = self.depot_aisle * self.aisle_pitch
+        x = self.depot_aisle * self.aisle_pitch + self.depot_offset
         y = self.cross_aisle_heights[self.depot_cross_aisle]
         outward = -1.0 if self.depot_cross_aisle <= self.blocks / 2 else 1.0
         return x, y + outward * self.depot_distance
@@ -230,9 +260,15 @@ class AisleWarehouse:
             for last, back in self._spots(end):
                 points = graph.way(first, last)
                 length = out + sum(dist(a, b) for a, b in pairwise(points)) + back
-                ways.append((length, [self.depot] * (start is None) + points))
-        points = min(ways)[1]
-        return without_repeats(points + [self.depot] * (end is None))
+                ways.append((length, points))
+        points, lead = min(ways)[1], [self.depot, *self._gate]
+        return without_repeats(lead * (start is None) + points + lead[::-1] * (end is None))
+
+    @property
+    def _gate(self) -> list[tuple[float, float]]:
+        """Where the way of a depot between two aisles meets the cross aisle."""
+        height = self.cross_aisle_heights[self.depot_cross_aisle]
+        return [(self.depot[0], height)] if self.depot_offset else []
 
     def _spots(self, place: Place | None) -> Sequence[tuple[InAisle | Crossing, float]]:
         """Return where ways to a place end, and how far it is from there."""

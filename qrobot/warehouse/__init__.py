@@ -1,8 +1,17 @@
 """Shortest tours through aisle warehouses, and routing policies."""
 
+from qrobot.warehouse.ends import OnCrossAisle
 from qrobot.warehouse.policies import POLICIES, route
 from qrobot.warehouse.routing import Router, Tour
 from qrobot.warehouse.states import MAX_CROSS_AISLES
 from qrobot.warehouse.walking import Route
 
-__all__ = ["MAX_CROSS_AISLES", "POLICIES", "Route", "Router", "Tour", "route"]
+__all__ = [
+    "MAX_CROSS_AISLES",
+    "POLICIES",
+    "OnCrossAisle",
+    "Route",
+    "Router",
+    "Tour",
+    "route",
+]

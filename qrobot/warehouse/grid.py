@@ -1,6 +1,6 @@
 """An aisle warehouse in numbers: columns of crossings, and where its slots hang.
 
-The sweep goes over columns. Each aisle is one; so is a depot that stands between two aisles.
+The sweep goes over columns: each aisle is one.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats
-from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Slot
+from qrobot.warehouse.states import PLAIN
+from qrobot.warehouse.sweep import Door, Ends
 
 __all__ = ["Grid", "grid_of", "part_costs", "positions_of"]
 
@@ -29,21 +30,23 @@ class Grid:
         ``inf`` where the segment is closed.
     along
         Shape (columns, blocks): length of each sub-aisle; ``inf`` where it is closed.
-    depot
-        Column and cross aisle of the depot's crossing.
-    lead
-        Metres between the depot and its crossing.
+    doors
+        The crossings that ways lead to from the depot.
     """
 
     across: Floats
     along: Floats
-    depot: tuple[int, int]
-    lead: float
+    doors: tuple[Door, ...]
 
     @property
     def cross_aisles(self) -> int:
         """Number of cross aisles."""
         return int(self.along.shape[1]) + 1
+
+    @property
+    def ends(self) -> Ends:
+        """How tours leave the depot."""
+        return Ends.DOOR if len(self.doors) == 1 else Ends.DOORS
 
     @property
     def is_open(self) -> bool:
@@ -52,19 +55,7 @@ class Grid:
 
 
 def grid_of(warehouse: AisleWarehouse) -> Grid:
-    """Return the columns of a layout.
-
-    Raises
-    ------
-    InputError
-        When ways lead from the depot to several crossings.
-    """
-    if warehouse.depot_ways:
-        raise InputError(
-            "the depot has ways to several aisles",
-            field="depot.ways",
-            advice="let a search find the sequence",
-        )
+    """Return the columns of a layout."""
     across = np.full((warehouse.aisles - 1, warehouse.blocks + 1), float(warehouse.aisle_pitch))
     along = np.tile(np.array(warehouse.block_lengths), (warehouse.aisles, 1))
     for cross, aisle in warehouse.closed_crossings:
@@ -74,8 +65,7 @@ def grid_of(warehouse: AisleWarehouse) -> Grid:
     return Grid(
         across=across,
         along=along,
-        depot=(warehouse.depot_aisle, warehouse.depot_cross_aisle),
-        lead=float(warehouse.depot_distance),
+        doors=tuple(Door(*crossing, float(length)) for crossing, length in warehouse.doors),
     )
 
 
@@ -98,7 +88,7 @@ def part_costs(grid: Grid, parts: npt.NDArray[np.intp], offsets: Floats) -> Floa
         a pick out or the sub-aisle is closed.
     """
     length = grid.along.ravel()
-    costs = np.full((length.size, 6), np.inf)
+    costs = np.full((length.size, PLAIN), np.inf)
     costs[:, 0] = 0.0
     costs[:, 1] = length
     costs[:, 2] = 2 * length
@@ -116,7 +106,7 @@ def part_costs(grid: Grid, parts: npt.NDArray[np.intp], offsets: Floats) -> Floa
         widest = np.maximum.reduceat(gaps, first)
         costs[filled, 5] = np.where(last > first, 2 * (length[filled] - widest), np.inf)
         costs[filled[~np.isfinite(length[filled])]] = np.inf
-    return costs.reshape(*grid.along.shape, 6)
+    return costs.reshape(*grid.along.shape, PLAIN)
 
 
 def positions_of(

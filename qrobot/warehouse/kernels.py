@@ -44,10 +44,10 @@ class Layout(NamedTuple):
         Shape (columns, blocks).
     across
         Shape (columns, cross aisles), the last row ``inf``.
-    depot
-        Column and cross aisle.
-    lead
-        Metres from the depot to its crossing and back.
+    doors
+        Shape (doors, 2): column and cross aisle of each crossing that the depot has a way to.
+    ways
+        Shape (doors,): metres of the way to it.
     is_open
         Whether nothing is closed.
     bases, pitch
@@ -60,8 +60,8 @@ class Layout(NamedTuple):
 
     along: Floats
     across: Floats
-    depot: tuple[int, int]
-    lead: float
+    doors: Numbers
+    ways: Floats
     is_open: bool
     bases: Floats
     pitch: float
@@ -134,26 +134,27 @@ _extent = compile_kernel(_extent)
 
 
 def _one_block(words: Words, layout: Layout) -> float:
-    """Return the length of a shortest tour through one block (Ratliff and Rosenthal 1983).
+    """Return the length of a shortest tour from one door (Ratliff and Rosenthal 1983).
 
     States: the crossing in front has an even number of walks (``front``), that at the back
     (``back``), both and they are connected (``one``) or not (``two``), both an odd number
     (``odd``); nothing was reached (``begin``) or the tour is finished (``done``).
     """
     columns = layout.along.shape[0]
+    depot, cross = layout.doors[0]
     begin, done = 0.0, np.inf
     odd = front = back = one = two = np.inf
     first, last = 0, columns - 1
     if layout.is_open:
-        first = last = layout.depot[0]
+        first = last = depot
         for column in range(columns):
             for w in range(words.shape[1]):
                 if words[column, w]:
                     first = min(first, column)
                     last = max(last, column)
     for column in range(first, last + 1):
-        if column == layout.depot[0]:
-            if layout.depot[1] == 0:
+        if column == depot:
+            if cross == 0:
                 two, back = min(two, back), np.inf
                 front = min(front, begin)
             else:
@@ -187,7 +188,7 @@ def _one_block(words: Words, layout: Layout) -> float:
             front, back = min(front, one) + ahead, min(back, one) + behind
             one += ahead + behind
             two += ahead + behind
-    return done
+    return float(done + 2.0 * layout.ways[0])
 
 
 _one_block = compile_kernel(_one_block)
@@ -231,7 +232,7 @@ def _blocks(words: Words, layout: Layout) -> float:
     prices, walks = np.empty(6), np.zeros(3)
     first, last = 0, columns - 1
     if layout.is_open:
-        first = last = layout.depot[0]
+        first, last = layout.doors[:, 0].min(), layout.doors[:, 0].max()
         for part in range(columns * blocks):
             for w in range(words.shape[1]):
                 if words[part, w]:
@@ -241,10 +242,12 @@ def _blocks(words: Words, layout: Layout) -> float:
     now[layout.ends[0]] = 0.0
     starts = layout.starts
     for column in range(first, last + 1):
-        if column == layout.depot[0]:
-            group = 2 * blocks + 1 + layout.depot[1]
-            _relax(now, then, layout.steps, starts[group], starts[group + 1], walks)
-            now, then = then, now
+        for door in range(len(layout.ways)):
+            if column == layout.doors[door, 0]:
+                group = 2 * blocks + 1 + layout.doors[door, 1]
+                walks[1], walks[2] = layout.ways[door], 2.0 * layout.ways[door]
+                _relax(now, then, layout.steps, starts[group], starts[group + 1], walks)
+                now, then = then, now
         for block in range(blocks):
             begin, end = starts[block], starts[block + 1]
             if _prices(words, column, block, layout, prices):
@@ -278,10 +281,11 @@ def _tour_length(words: Words, layout: Layout) -> float:
     -------
     float
         Metres; ``inf`` where a place cannot be reached. A batch without places takes the way
-        to the depot's crossing and back.
+        to the depot's nearest crossing and back.
     """
-    length = _one_block(words, layout) if layout.along.shape[1] == 1 else _blocks(words, layout)
-    return length + layout.lead
+    if layout.along.shape[1] == 1 and len(layout.ways) == 1:
+        return _one_block(words, layout)
+    return _blocks(words, layout)
 
 
 tour_length = compile_kernel(_tour_length)
@@ -305,7 +309,7 @@ def masks_of(
         The layout, and an array of shape (orders, sub-aisles, words).
     """
     grid = grid_of(warehouse)
-    flat = flatten(grid.cross_aisles)
+    flat = flatten(grid.cross_aisles, grid.ends)
     words = -(-warehouse.slots // 64)
     masks = np.zeros((len(picks), grid.along.size, words), dtype=np.uint64)
     for order, slots in enumerate(picks):
@@ -317,8 +321,8 @@ def masks_of(
     return Layout(
         along=grid.along,
         across=across,
-        depot=grid.depot,
-        lead=2.0 * grid.lead,
+        doors=np.array([(door.column, door.cross) for door in grid.doors], dtype=np.int64),
+        ways=np.array([door.length for door in grid.doors]),
         is_open=grid.is_open,
         bases=np.array([front for front, _ in warehouse.gaps]),
         pitch=float(warehouse.slot_pitch),

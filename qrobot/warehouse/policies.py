@@ -169,7 +169,7 @@ def _walk(
         reason = f"is a policy for one block, the warehouse has {warehouse.blocks}"
     elif warehouse.closed_aisles or warehouse.closed_crossings:
         reason = "is a policy for open aisles, some are closed"
-    elif warehouse.depot_ways:
+    elif len(warehouse.doors) > 1:
         reason = "is a policy for a depot at one aisle"
     elif 0 < warehouse.depot_cross_aisle < warehouse.blocks:
         reason = "is a policy for a depot at the first or last cross aisle"

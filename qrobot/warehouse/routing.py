@@ -8,7 +8,7 @@ them once (Hierholzer) gives the sequence.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,27 +17,30 @@ import numpy as np
 from qrobot import _jit
 from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Slot
+from qrobot.warehouse.ends import OnCrossAisle, ends_of
 from qrobot.warehouse.grid import Grid, grid_of, part_costs, positions_of
+from qrobot.warehouse.inside import InAisle, prices_inside, walks_inside
 from qrobot.warehouse.states import MAX_CROSS_AISLES, VERTICAL
-from qrobot.warehouse.sweep import sweep
+from qrobot.warehouse.sweep import Door, Ends, Inside, sweep
 
 __all__ = ["Router", "Tour"]
 
 Crossing = tuple[int, int]
 """(column, cross aisle)"""
-InAisle = tuple[int, int, float]
-"""(column, block, metres from the block's front)"""
 Spot = Crossing | InAisle
+
+OFF: tuple[Crossing, Crossing] = (-1, 0), (-1, 1)
+"""Start and end of a tour that doors lead to."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tour:
-    """A tour from the depot past some slots and back.
+    """A tour from its start past some slots to its end.
 
     Parameters
     ----------
     length
-        Metres; ``inf`` when a slot cannot be reached.
+        Metres; ``inf`` when a place cannot be reached.
     sequence
         Indices of the slots as they are passed first; empty when none can be reached.
     """
@@ -84,74 +87,108 @@ class Router:
             layout, masks = masks_of(self.warehouse, [slots])
             return float(tour_length(masks[0], layout))
         parts, offsets = positions_of(self.warehouse, slots)
+        columns = self._columns(
+            parts // self.warehouse.blocks, [door.column for door in self.grid.doors]
+        )
         costs = part_costs(self.grid, parts, offsets)
-        columns = self._columns(parts.min(), parts.max())
-        length, _ = sweep(costs, self.grid.across, self.grid.depot, columns)
-        return length + 2 * self.grid.lead
+        return sweep(costs, self.grid.across, self.grid.doors, columns, ends=self.grid.ends)[0]
 
-    def tour(self, slots: Sequence[Slot]) -> Tour:
-        """Return a shortest tour from the depot past all slots and back."""
-        if not slots:
+    def tour(
+        self,
+        slots: Sequence[Slot],
+        *,
+        start: Slot | OnCrossAisle | None = None,
+        end: Slot | OnCrossAisle | None = None,
+    ) -> Tour:
+        """Return a shortest tour past all slots.
+
+        Parameters
+        ----------
+        slots
+            In any sequence.
+        start, end
+            Where it starts and ends; by default at the depot.
+        """
+        if start is None and end is None and not slots:
             return Tour(0.0, ())
+        ends = ends_of(self.grid, self.warehouse, start, end)
+        if not slots and np.isfinite(ends.direct):
+            return Tour(ends.direct, ())
         parts, offsets = positions_of(self.warehouse, slots)
         costs = part_costs(self.grid, parts, offsets)
-        columns = self._columns(parts.min(), parts.max())
-        length, choices = sweep(costs, self.grid.across, self.grid.depot, columns, choices=True)
-        if not np.isfinite(length):
-            return Tour(np.inf, ())
         at: dict[InAisle, list[int]] = defaultdict(list)
         for i, (part, offset) in enumerate(zip(parts.tolist(), offsets.tolist(), strict=True)):
-            column, block = divmod(part, self.grid.cross_aisles - 1)
-            at[column, block, offset].append(i)
-        walks = self._walks(columns, choices, sorted(at))
-        walked = _walk(walks, self.grid.depot)
+            at[*divmod(part, self.warehouse.blocks), offset].append(i)
+        points: dict[Crossing, list[float]] = defaultdict(list)
+        for column, block, offset in sorted({*at, *ends.places.values()}):
+            points[column, block].append(offset)
+        turns: dict[Crossing, dict[int, float]] = defaultdict(dict)
+        for which, (column, block, offset) in ends.places.items():
+            turns[column, block][which] = offset
+        inside = {
+            part: Inside(
+                2 if len(here) == 2 else min(here),
+                prices_inside(points[part], float(self.grid.along[part]), here.values()),
+            )
+            for part, here in turns.items()
+        }
+        columns = self._columns([part[0] for part in points], [door.column for door in ends.doors])
+        length, choices = sweep(
+            costs,
+            self.grid.across,
+            ends.doors,
+            columns,
+            ends=ends.kind,
+            inside=inside,
+            choices=True,
+        )
+        if not np.isfinite(length):
+            return Tour(np.inf, ())
+        walks = self._walks(columns, choices, ends.doors, points, turns)
+        walked = _walk(walks, ends.places.get(0, OFF[0]))
+        if ends.kind is Ends.APART:
+            walked.reverse()
         sequence = [i for spot in walked if len(spot) == 3 for i in at.pop(spot, ())]
-        return Tour(length + 2 * self.grid.lead, tuple(sequence))
+        return Tour(length, tuple(sequence))
 
-    def _columns(self, first_part: int, last_part: int) -> tuple[int, int]:
+    def _columns(self, *used: Iterable[int]) -> tuple[int, int]:
         """Return the columns that a shortest tour may use."""
         if not self._open:
             return 0, len(self.grid.along) - 1
-        blocks = self.grid.cross_aisles - 1
-        depot = self.grid.depot[0]
-        return min(int(first_part) // blocks, depot), max(int(last_part) // blocks, depot)
+        columns = [int(column) for part in used for column in part]
+        return min(columns), max(columns)
 
     def _walks(
-        self, columns: tuple[int, int], choices: list[int], places: list[InAisle]
+        self,
+        columns: tuple[int, int],
+        choices: list[int],
+        doors: Sequence[Door],
+        points: Mapping[Crossing, Sequence[float]],
+        turns: Mapping[Crossing, Mapping[int, float]],
     ) -> Iterator[tuple[Spot, Spot]]:
         """Yield every straight walk of a tour, as often as it is walked."""
         following = iter(choices)
         for column in range(columns[0], columns[1] + 1):
-            if column == self.grid.depot[0]:
-                next(following)
+            for door in doors:
+                if door.column == column:
+                    for _ in range(next(following)):
+                        yield OFF[door.end], (column, door.cross)
             for block in range(self.grid.cross_aisles - 1):
-                inside = [p for p in places if p[:2] == (column, block)]
-                yield from _inside((column, block), VERTICAL[next(following)], inside)
+                part = column, block
+                here = points.get(part, ())
+                ends = turns.get(part, {}).values()
+                walks = walks_inside(VERTICAL[next(following)], here, ends)
+                assert walks is not None
+                spots: list[Spot] = [part, *((*part, y) for y in here), (column, block + 1)]
+                for step, times in zip(pairwise(spots), walks, strict=True):
+                    yield from [step] * times
             for cross in range(self.grid.cross_aisles):
                 for _ in range(next(following)):
                     yield (column, cross), (column + 1, cross)
 
 
-def _inside(part: Crossing, kind: str, places: list[InAisle]) -> Iterator[tuple[Spot, Spot]]:
-    """Yield the walks inside a sub-aisle."""
-    spots: list[Spot] = [*places]
-    front: Spot = part
-    back: Spot = (part[0], part[1] + 1)
-    if kind == "none":
-        return
-    if kind in ("pass", "twice"):
-        for step in pairwise([front, *spots, back]):
-            yield from [step] * (1 if kind == "pass" else 2)
-        return
-    near = len(spots) if kind == "front" else 0
-    if kind == "both":
-        near = 1 + int(np.argmax([b[2] - a[2] for a, b in pairwise(places)]))
-    for step in (*pairwise([front, *spots[:near]]), *pairwise([*spots[near:], back])):
-        yield from [step] * 2
-
-
 def _walk(walks: Iterator[tuple[Spot, Spot]], start: Spot) -> list[Spot]:
-    """Return the spots of a closed walk that takes every given walk once (Hierholzer 1873)."""
+    """Return the spots of a way that takes every walk once, from its end (Hierholzer 1873)."""
     left: dict[Spot, list[tuple[Spot, int]]] = defaultdict(list)
     used: list[bool] = []
     for a, b in walks:

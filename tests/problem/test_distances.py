@@ -31,8 +31,13 @@ from qrobot.problem import (
 def fine_graph(w: AisleWarehouse) -> nx.Graph:
     """Every slot and every crossing as a node: nothing clever."""
     graph = nx.Graph()
-    for a, length in ((w.depot_aisle, w.depot_distance), *w.depot_ways):
+    for a, length in ((w.depot_aisle, w.depot_distance), *w.depot_ways)[bool(w.depot_offset) :]:
         graph.add_edge("depot", ("x", a, w.depot_cross_aisle), weight=length)
+    if w.depot_offset:
+        a, c, gate = w.depot_aisle, w.depot_cross_aisle, "beside the depot"
+        graph.add_edge("depot", gate, weight=w.depot_distance)
+        graph.add_edge(("x", a, c), gate, weight=w.depot_offset)
+        graph.add_edge(gate, ("x", a + 1, c), weight=w.aisle_pitch - w.depot_offset)
     for a in range(w.aisles):
         for b in range(w.blocks):
             chain = [("x", a, b), *((a, b, s) for s in range(w.slots)), ("x", a, b + 1)]

@@ -139,6 +139,28 @@ A, B = Point(1, 1), Point(2, 2)
             ),
             "depot.ways: the ways to aisles 0 and 2 are a short cut past the depot; lengthen them",
         ),
+        (
+            lambda: AisleWarehouse(aisles=2, slots=1, depot_offset=-1),
+            "depot.offset: -1 is not 0 to 1e+06; correct it",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=2, slots=1, aisle_pitch=2, depot_offset=2),
+            "depot.offset: the depot is not between aisle 0 and the next; count it from",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=2, slots=1, depot_aisle=1, depot_offset=1),
+            "depot.offset: the depot is not between aisle 1 and the next; count it from",
+        ),
+        (
+            lambda: AisleWarehouse(
+                aisles=2, slots=1, depot_offset=1, closed_crossings=frozenset({(0, 0)})
+            ),
+            "depot.offset: the depot is on a closed segment of its cross aisle; open it",
+        ),
+        (
+            lambda: AisleWarehouse(aisles=3, slots=1, depot_offset=1, depot_ways=((2, 9),)),
+            "depot.ways: a depot between two aisles has one way only; leave depot.offset or",
+        ),
         (lambda: OpenFloor(depot_x=math.inf), "depot.x: inf is not -1e+09 to 1e+09; correct it"),
         (lambda: DistanceTable(()), "matrix: is empty; give at least the depot's row"),
         (lambda: DistanceTable(((0, 1), (1,))), "matrix[1]: has 1 entries where the matrix has 2"),

@@ -211,6 +211,7 @@ def test_a_warehouse_turned_upside_down_changes_no_length(blocks: int) -> None:
         (AisleWarehouse(3, 4, closed_aisles=frozenset({(1, 0)})), "s-shape", "for open aisles"),
         (AisleWarehouse(3, 4, 2, depot_cross_aisle=1), "combined", "first or last cross aisle"),
         (AisleWarehouse(3, 4, depot_ways=((1, 9.0),)), "largest-gap", "a depot at one aisle"),
+        (AisleWarehouse(3, 4, depot_offset=1.0), "return", "a depot at one aisle"),
         (FIVE, "spiral", "'spiral' is not a routing policy; use one of shortest, s-shape"),
     ],
 )

@@ -28,7 +28,6 @@ def takes(instance: Instance) -> bool:
     return (
         isinstance(warehouse, AisleWarehouse)
         and warehouse.blocks < MAX_CROSS_AISLES
-        and not warehouse.depot_ways
         and bool(instance.orders)
         and _jit.available()
     )

@@ -138,7 +138,7 @@ def tie_of(warehouse: AisleWarehouse, orders: Orders) -> float:
         warehouse.aisle_pitch,
         warehouse.slot_pitch,
         *(gap for pair in warehouse.gaps for gap in pair),
-        warehouse.depot_distance,
+        *(length for _, length in warehouse.doors),
     )
     parts = [Fraction(str(length)) for length in lengths if length > 0.0]
     below = lcm(*(part.denominator for part in parts))

@@ -218,6 +218,7 @@ def _warehouse(document: Document) -> Warehouse:
             closed_crossings=frozenset((c.cross_aisle, c.aisle) for c in model.closed_crossings),
             block_gaps=tuple((g.front, g.back) for g in model.block_gaps),
             depot_ways=tuple((way.aisle, way.distance) for way in model.depot.ways),
+            depot_offset=model.depot.offset,
         )
     if isinstance(model, FloorModel):
         return OpenFloor(model.depot.x, model.depot.y, model.metric, model.rounding)
@@ -324,6 +325,7 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
                 "cross_aisle": w.depot_cross_aisle,
                 "distance": w.depot_distance,
                 **({"ways": ways} if ways else {}),
+                **({"offset": w.depot_offset} if w.depot_offset else {}),
             },
             "closed_aisles": [{"aisle": a, "block": b} for a, b in sorted(w.closed_aisles)],
             "closed_crossings": [

@@ -87,12 +87,13 @@ class DepotWayModel(_Strict):
 
 
 class DepotModel(_Strict):
-    """The crossing that the depot stands at, and the way to it, metres."""
+    """The crossing that the depot stands at, or left of it, and the way there, metres."""
 
     aisle: Index = 0
     cross_aisle: Index = 0
     distance: Length = 0.0
     ways: list[DepotWayModel] = []
+    offset: Length = 0.0
 
 
 class SubAisleModel(_Strict):
