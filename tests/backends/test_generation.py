@@ -1,7 +1,9 @@
 """Batches of whole orders in aisles: proven against every partition, and by any search."""
 
 import itertools
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -91,6 +93,23 @@ def least(instance: Instance) -> float:
     assert len(nodes) <= len(capacities)
     plans = [plan for plan in partitions(list(range(len(nodes)))) if fits(plan)]
     return min(sum(tour(batch) for batch in plan) for plan in plans)
+
+
+@pytest.mark.parametrize("blocks", [1, 2])
+@pytest.mark.parametrize(
+    "depot", [{"depot_offset": 1.0}, {"depot_ways": ((1, 2.95), (2, 5.25), (4, 10.15))}]
+)
+def test_depots_with_several_ways_are_proven_too(depot: dict[str, Any], blocks: int) -> None:
+    from qrobot.backends.classical.generation import generate
+
+    instance = some_orders(5 * blocks + 5, 5, blocks, (11,))
+    warehouse = replace(instance.warehouse, depot_cross_aisle=0, **depot)  # type: ignore[type-var]
+    instance = replace(instance, warehouse=warehouse)
+    found = generate(instance, Stop())
+    assert found.optimal
+    assert found.routes is not None
+    assert instance.length(found.routes) == pytest.approx(least(instance), abs=1e-9)
+    assert check(Plan.from_routes(instance, found.routes), instance).ok
 
 
 @pytest.mark.parametrize("blocks", [1, 2])
