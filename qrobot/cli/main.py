@@ -23,6 +23,7 @@ COMMANDS = {
     "next": "Rank the waiting orders by what each costs from where a robot stands now.",
     "check": "Check a plan against its instance, without trusting any solver.",
     "picklist": "Print what each robot takes at each stop, and the basket that it goes into.",
+    "compare-routing": "Compare the routing policies that pickers know on the trips of a plan.",
     "backends": "List the backends: what they can do and how to install them.",
     "bench": "Compare backends on a folder of instances.",
     "export": "Write the model of an instance as a file for other programs.",
@@ -33,7 +34,7 @@ COMMANDS = {
     "image": "Prepare the card of a Raspberry Pi for its first boot.",
     "doctor": "Show versions, extras, credentials present, and folders.",
 }
-"""Name and one line of help; the module of the same name holds the command."""
+"""Name and one line of help; the module of that name (``_`` for ``-``) holds the command."""
 
 
 class LazyGroup(click.Group):
@@ -47,7 +48,9 @@ class LazyGroup(click.Group):
         """Import a command."""
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"qrobot.cli.{cmd_name}").command
+        command: click.Command = importlib.import_module(
+            f"qrobot.cli.{cmd_name.replace('-', '_')}"
+        ).command
         return command
 
     def invoke(self, ctx: click.Context) -> Any:

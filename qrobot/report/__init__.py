@@ -1,8 +1,18 @@
 """What people see of plans: pictures, pick lists and tables."""
 
+from qrobot.report.comparison import PolicyComparison, compare_routing
 from qrobot.report.picklist import PickLists, pick_lists
 from qrobot.report.picklist_page import picklist_page
 from qrobot.report.picture import check_picture_path, plot
 from qrobot.report.tables import table
 
-__all__ = ["PickLists", "check_picture_path", "pick_lists", "picklist_page", "plot", "table"]
+__all__ = [
+    "PickLists",
+    "PolicyComparison",
+    "check_picture_path",
+    "compare_routing",
+    "pick_lists",
+    "picklist_page",
+    "plot",
+    "table",
+]

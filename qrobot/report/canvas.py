@@ -21,7 +21,7 @@ from qrobot.report.maps import Map
 from qrobot.report.palette import DASHES, GREY, INK, depot_marker
 from qrobot.report.scene import Journey, Scene
 
-__all__ = ["Canvas"]
+__all__ = ["Canvas", "Sheet"]
 
 MAP = (9.0, 6.6)  # inches, at most
 LEAST = (3.8, 3.2)
@@ -37,6 +37,8 @@ CELL = (2.4, 2.5)
 """Inches: width at least and height of the map at most, of a trip's own map."""
 GAP = 0.25
 CAPTION = 0.46
+PANEL = (3.6, 3.0)
+"""Inches of a map on a `Sheet`, at most."""
 
 ROW = 0.44
 """Height of a row, inches."""
@@ -93,8 +95,8 @@ class Canvas:
         self.labels = Labels()
         bottom = sheet[1] - TOP - tall
         box = EDGE + frame, bottom + frame, inner[0], tall - frame
-        self.main = self._map(box, scale, low, high, "")
-        paper = self._axes(0.0, 0.0, *sheet)  # of inches, from the top left
+        self.main = _map_in(self.figure, box, scale, low, high, self.labels, "")
+        paper = _axes_in(self.figure, 0.0, 0.0, *sheet)  # of inches, from the top left
         paper.set_axis_off()
         paper.set(xlim=(0, sheet[0]), ylim=(sheet[1], 0))
         legend.draw(paper, (2 * EDGE + frame + inner[0], TOP))
@@ -104,7 +106,8 @@ class Canvas:
             top = bottom - EDGE - (k // per_row) * row
             caption(paper, (left, sheet[1] - top + CAPTION / 2), scene, journey)
             box = left, top - row + GAP, cell, row - CAPTION - GAP
-            self.panels.append((journey, self._map(box, small, low, high, "alone-")))
+            own = _map_in(self.figure, box, small, low, high, self.labels, "alone-")
+            self.panels.append((journey, own))
         self._title(scene)
         if left_out := len(scene.journeys) - len(alone) if many else 0:
             self.figure.text(
@@ -116,20 +119,6 @@ class Canvas:
         self.labels.settle(self.figure)
         return self.figure
 
-    def _axes(self, left: float, bottom: float, width: float, height: float) -> Any:
-        w, h = self.figure.get_size_inches()
-        return self.figure.add_axes((left / w, bottom / h, width / w, height / h))
-
-    def _map(
-        self, box: tuple[float, float, float, float], scale: float, low: XY, high: XY, prefix: str
-    ) -> Map:
-        axes = self._axes(*box)
-        spare = [(box[2 + k] / scale - (high[k] - low[k])) / 2 for k in (0, 1)]
-        axes.set_xlim(low[0] - spare[0], high[0] + spare[0])
-        axes.set_ylim(low[1] - spare[1], high[1] + spare[1])
-        axes.set_axis_off()
-        return Map(axes, scale, self.labels, prefix)
-
     def _title(self, scene: Scene) -> None:
         w, h = self.figure.get_size_inches()
         title = _cut(scene.title)
@@ -138,6 +127,75 @@ class Canvas:
         place = {"x": EDGE / w, "va": "center"}
         self.figure.text(y=1 - 0.36 / h, s=title, size=size, weight="bold", gid="title", **place)
         self.figure.text(y=1 - 0.66 / h, s=scene.subtitle, size=SUBTITLE, color=GREY, **place)
+
+
+class Sheet:
+    """A figure of equal maps in rows of at most four, each below its title.
+
+    Parameters
+    ----------
+    title
+        Of the figure.
+    texts
+        A title for each map.
+    low, high
+        Corners of the maps, metres.
+    """
+
+    def __init__(self, title: str, texts: Sequence[str], low: XY, high: XY) -> None:
+        size = max(high[0] - low[0], 1e-6), max(high[1] - low[1], 1e-6)
+        scale = min(PANEL[0] / size[0], PANEL[1] / size[1])
+        cell = (
+            max([size[0] * scale, *(text_width(t, NAME, "bold") for t in texts)]),
+            size[1] * scale,
+        )
+        columns = min(4, len(texts))
+        rows = -(-len(texts) // columns)
+        wide = max(columns * (cell[0] + EDGE), text_width(_cut(title), TITLES[0], "bold") + EDGE)
+        sheet = wide + EDGE, TOP + rows * (cell[1] + CAPTION + GAP)
+        self.figure = Figure(figsize=sheet, facecolor="white")
+        self.labels = Labels()
+        place: dict[str, Any] = {"weight": "bold", "va": "center"}
+        self.figure.text(
+            EDGE / sheet[0], 1 - 0.4 / sheet[1], _cut(title), size=TITLES[0], gid="title", **place
+        )
+        self.maps: list[Map] = []
+        for k, text in enumerate(texts):
+            left = EDGE + k % columns * (cell[0] + EDGE)
+            top = sheet[1] - TOP - k // columns * (cell[1] + CAPTION + GAP)
+            self.figure.text(
+                left / sheet[0], (top - CAPTION / 2) / sheet[1], text, size=NAME, **place
+            )
+            box = left, top - CAPTION - cell[1], *cell
+            self.maps.append(_map_in(self.figure, box, scale, low, high, self.labels, f"map-{k}-"))
+
+    def finish(self) -> Figure:
+        """Return the figure when all is drawn."""
+        self.labels.settle(self.figure)
+        return self.figure
+
+
+def _axes_in(figure: Figure, left: float, bottom: float, width: float, height: float) -> Any:
+    w, h = figure.get_size_inches()
+    return figure.add_axes((left / w, bottom / h, width / w, height / h))
+
+
+def _map_in(
+    figure: Figure,
+    box: tuple[float, float, float, float],
+    scale: float,
+    low: XY,
+    high: XY,
+    labels: Labels,
+    prefix: str,
+) -> Map:
+    """Return a map in the middle of a box of inches."""
+    axes = _axes_in(figure, *box)
+    spare = [(box[2 + k] / scale - (high[k] - low[k])) / 2 for k in (0, 1)]
+    axes.set_xlim(low[0] - spare[0], high[0] + spare[0])
+    axes.set_ylim(low[1] - spare[1], high[1] + spare[1])
+    axes.set_axis_off()
+    return Map(axes, scale, labels, prefix)
 
 
 def _cut(title: str) -> str:

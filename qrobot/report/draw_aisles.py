@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Rectangle
 
 from qrobot.problem import AisleWarehouse, Slot
-from qrobot.report.canvas import Canvas
+from qrobot.report.canvas import Canvas, Sheet
 from qrobot.report.labels import POINTS, text_width
 from qrobot.report.lanes import XY, Lanes, Track
 from qrobot.report.maps import Look, Map
@@ -19,7 +19,7 @@ from qrobot.report.palette import Colour
 from qrobot.report.racks import Racks
 from qrobot.report.scene import Journey, Scene
 
-__all__ = ["draw_aisles"]
+__all__ = ["draw_aisles", "draw_panels"]
 
 RACK, CLOSED = "#d5dbe2", "#f3d9d9"
 HATCH = "#b4545c"
@@ -31,20 +31,13 @@ def draw_aisles(scene: Scene) -> Any:
     house = scene.instance.warehouse
     assert isinstance(house, AisleWarehouse)
     racks = Racks(house)
-    width, depth = (house.aisles - 1) * house.aisle_pitch, racks.depth
-    y = house.depot[1]
-    low = (-house.aisle_pitch / 2, min(-racks.cross, y))
-    high = (width + house.aisle_pitch / 2, max(depth + racks.cross, y))
-    room = 0.055 * max(high[0] - low[0], high[1] - low[1])
     patches = [("slot; numbers: stops in sequence", RACK, "")]
     if house.closed_aisles or house.closed_crossings:
         patches.append(("closed", CLOSED, "////"))
-    canvas = Canvas(
-        scene, (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room), patches
-    )
+    canvas = Canvas(scene, *_extent(racks), patches)
     _draw_all(canvas.main, scene, racks)
     for journey, own in canvas.panels:
-        _draw_alone(own, journey, racks)
+        _draw_small(own, [journey], racks)
     return canvas.finish()
 
 
@@ -72,13 +65,25 @@ def _draw_all(drawn: Map, scene: Scene, racks: Racks) -> None:
     _names(drawn, racks, above=below)
 
 
-def _draw_alone(drawn: Map, journey: Journey, racks: Racks) -> None:
-    """Draw one trip on a small map: racks without slots, stops as numbered marks."""
+def draw_panels(title: str, panels: Sequence[tuple[str, Scene]]) -> Any:
+    """Return the figure of several scenes of one warehouse, each on a map with its title."""
+    house = panels[0][1].instance.warehouse
+    assert isinstance(house, AisleWarehouse)
+    racks = Racks(house)
+    sheet = Sheet(title, [text for text, _ in panels], *_extent(racks))
+    for drawn, (_, scene) in zip(sheet.maps, panels, strict=True):
+        _draw_small(drawn, scene.journeys, racks)
+    return sheet.finish()
+
+
+def _draw_small(drawn: Map, journeys: Sequence[Journey], racks: Racks) -> None:
+    """Draw trips on a small map: racks without slots, stops as numbered marks."""
     _floor(drawn, racks)
     _racks(drawn, racks)
     _closed(drawn, racks)
-    ((line,), _) = _ways(drawn, [journey], racks, most=1.5, every=60)
-    drawn.stops(journey, line.stops)
+    lines, _ = _ways(drawn, journeys, racks, most=1.5, every=60)
+    for journey, line in zip(journeys, lines, strict=True):
+        drawn.stops(journey, line.stops)
     drawn.depot(racks.house.depot, size=7)
 
 
@@ -94,6 +99,16 @@ def _ways(
     for journey, line in zip(journeys, lines, strict=True):
         drawn.way(journey, line, look, bend=drawn.metres(2.2 * width))
     return lines, look
+
+
+def _extent(racks: Racks) -> tuple[XY, XY]:
+    """Return two corners of a map, with room around the floor."""
+    house = racks.house
+    width, y = (house.aisles - 1) * house.aisle_pitch, house.depot[1]
+    low = (-house.aisle_pitch / 2, min(-racks.cross, y))
+    high = (width + house.aisle_pitch / 2, max(racks.depth + racks.cross, y))
+    room = 0.055 * max(high[0] - low[0], high[1] - low[1])
+    return (low[0] - room / 3, low[1] - room), (high[0] + room / 3, high[1] + room)
 
 
 def _corners(left: float, bottom: float, width: float, height: float) -> list[XY]:
