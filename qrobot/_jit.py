@@ -40,7 +40,7 @@ def available() -> bool:
 
 
 def compile_kernel(
-    function: Callable[..., Any], *, sums: bool = False, inline: bool = False
+    function: Callable[..., Any], *, sums: bool = False, inline: bool = False, inner: bool = False
 ) -> Callable[..., Any]:
     """Return a function that numba compiles at its first call and keeps on disk if it can.
 
@@ -53,8 +53,13 @@ def compile_kernel(
     inline
         Whether its text takes the place of calls from other kernels. Records of many arrays are
         handed over field by field, which takes longer than a short function.
+    inner
+        Whether only other kernels call it: then no door for Python is compiled, which takes longer
+        than the function where it takes records of arrays, and nothing is kept on disk.
     """
     numba: Any = importlib.import_module("numba")
+    if inner or inline:
+        return _jit(numba, function, sums, inline, cache=False, no_cpython_wrapper=True)
     if not caching:
         return _jit(numba, function, sums, inline, cache=False)
     if not numba.config.CACHE_DIR:
@@ -72,11 +77,11 @@ def compile_kernel(
 
 
 def _jit(
-    numba: Any, function: Callable[..., Any], sums: bool, inline: bool, *, cache: bool
+    numba: Any, function: Callable[..., Any], sums: bool, inline: bool, *, cache: bool, **more: Any
 ) -> Callable[..., Any]:
     flags = {"contract", "reassoc", "nsz"} if sums else {"contract"}
     made: Callable[..., Any] = numba.njit(
-        cache=cache, fastmath=flags, inline="always" if inline else "never", **OPTIONS
+        cache=cache, fastmath=flags, inline="always" if inline else "never", **OPTIONS, **more
     )(function)
     return made
 

@@ -77,7 +77,7 @@ def _lowest(word: Any) -> Any:
     return PLACE[((word & (~word + ONE)) * DE_BRUIJN) >> SHIFT]
 
 
-_lowest = compile_kernel(_lowest)
+_lowest = compile_kernel(_lowest, inner=True)
 
 
 def _highest(word: Any) -> Any:
@@ -91,7 +91,7 @@ def _highest(word: Any) -> Any:
     return PLACE[((word ^ (word >> ONE)) * DE_BRUIJN) >> SHIFT]
 
 
-_highest = compile_kernel(_highest)
+_highest = compile_kernel(_highest, inner=True)
 
 
 def _slots(words: Words, part: int) -> tuple[int, int, int]:
@@ -118,7 +118,7 @@ def _slots(words: Words, part: int) -> tuple[int, int, int]:
     return first, last, gap
 
 
-_slots = compile_kernel(_slots)
+_slots = compile_kernel(_slots, inner=True)
 
 
 def _extent(words: Words, part: int, layout: Layout) -> tuple[float, float, float]:
@@ -130,7 +130,7 @@ def _extent(words: Words, part: int, layout: Layout) -> tuple[float, float, floa
     return base + pitch * first, base + pitch * last, pitch * gap
 
 
-_extent = compile_kernel(_extent)
+_extent = compile_kernel(_extent, inner=True)
 
 
 def _one_block(words: Words, layout: Layout) -> float:
@@ -191,7 +191,7 @@ def _one_block(words: Words, layout: Layout) -> float:
     return float(done + 2.0 * layout.ways[0])
 
 
-_one_block = compile_kernel(_one_block)
+_one_block = compile_kernel(_one_block, inner=True)
 
 
 def _relax(now: Floats, then: Floats, steps: Numbers, first: int, end: int, prices: Floats) -> None:
@@ -203,7 +203,7 @@ def _relax(now: Floats, then: Floats, steps: Numbers, first: int, end: int, pric
             then[steps[k, 1]] = cost
 
 
-_relax = compile_kernel(_relax)
+_relax = compile_kernel(_relax, inner=True)
 
 
 def _prices(words: Words, column: int, block: int, layout: Layout, prices: Floats) -> Any:
@@ -222,7 +222,7 @@ def _prices(words: Words, column: int, block: int, layout: Layout, prices: Float
     return near < 0.0
 
 
-_prices = compile_kernel(_prices)
+_prices = compile_kernel(_prices, inner=True)
 
 
 def _blocks(words: Words, layout: Layout) -> float:
@@ -264,7 +264,7 @@ def _blocks(words: Words, layout: Layout) -> float:
     return float(now[layout.ends[1]])
 
 
-_blocks = compile_kernel(_blocks)
+_blocks = compile_kernel(_blocks, inner=True)
 
 
 def _tour_length(words: Words, layout: Layout) -> float:

@@ -32,7 +32,7 @@ def _next(random: Hashes) -> Any:
     return x * np.uint64(0x2545F4914F6CDD1D)
 
 
-_next = compile_kernel(_next)
+_next = compile_kernel(_next, inner=True)
 
 
 def _below(random: Hashes, limit: int) -> Any:
@@ -40,7 +40,7 @@ def _below(random: Hashes, limit: int) -> Any:
     return np.int64(((_next(random) >> np.uint64(32)) * np.uint64(limit)) >> np.uint64(32))
 
 
-_below = compile_kernel(_below)
+_below = compile_kernel(_below, inner=True)
 
 
 def _uniform(random: Hashes) -> float:
@@ -48,7 +48,7 @@ def _uniform(random: Hashes) -> float:
     return float(_next(random) >> np.uint64(11)) / 9007199254740992.0
 
 
-_uniform = compile_kernel(_uniform)
+_uniform = compile_kernel(_uniform, inner=True)
 
 
 def _batch_length(
@@ -73,7 +73,7 @@ def _batch_length(
     return length
 
 
-_batch_length = compile_kernel(_batch_length)
+_batch_length = compile_kernel(_batch_length, inner=True)
 
 
 def _leave(state: State, orders: Orders, order: int) -> None:
@@ -87,7 +87,7 @@ def _leave(state: State, orders: Orders, order: int) -> None:
     state.key[trip] ^= orders.keys[order]
 
 
-_leave = compile_kernel(_leave)
+_leave = compile_kernel(_leave, inner=True)
 
 
 def _join(state: State, orders: Orders, order: int, trip: int) -> None:
@@ -100,7 +100,7 @@ def _join(state: State, orders: Orders, order: int, trip: int) -> None:
     state.key[trip] ^= orders.keys[order]
 
 
-_join = compile_kernel(_join)
+_join = compile_kernel(_join, inner=True)
 
 
 def _keep(state: State) -> None:
@@ -118,12 +118,12 @@ def _keep(state: State) -> None:
             continue
         state.pool_keys[slot] = state.key[trip]
         row = state.pool_size[0]
-        state.pool[row, :count] = state.members[trip, :count]
-        state.pool[row, count:] = -1
+        for k in range(width):
+            state.pool[row, k] = state.members[trip, k] if k < count else -1
         state.pool_size[0] += 1
 
 
-_keep = compile_kernel(_keep)
+_keep = compile_kernel(_keep, inner=True)
 
 
 def _pick(
@@ -193,7 +193,7 @@ def _new_lengths(
     return length_a, length_b
 
 
-_new_lengths = compile_kernel(_new_lengths)
+_new_lengths = compile_kernel(_new_lengths, inner=True)
 
 
 def _move(orders: Orders, state: State, first: int, second: int, trip: int) -> None:
@@ -209,7 +209,7 @@ def _move(orders: Orders, state: State, first: int, second: int, trip: int) -> N
             state.without[state.members[changed, k]] = -1.0
 
 
-_move = compile_kernel(_move)
+_move = compile_kernel(_move, inner=True)
 
 
 def _excess(load: int, capacity: int) -> int:
@@ -226,10 +226,11 @@ def _note(state: State, cost: float, pool_below: float) -> None:
         _keep(state)
     if cost < state.figures[1] - 1e-9 * abs(cost):
         state.figures[1] = cost
-        state.best[:] = state.trip
+        for order in range(len(state.trip)):
+            state.best[order] = state.trip[order]
 
 
-_note = compile_kernel(_note)
+_note = compile_kernel(_note, inner=True)
 
 
 def _anneal(
@@ -300,10 +301,10 @@ anneal = compile_kernel(_anneal)
 
 def _place(orders: Orders, state: State, trip: Ints) -> None:
     """Set the present plan."""
-    state.size[:] = 0
-    state.load[:] = 0
-    state.without[:] = -1.0
-    state.key[:] = np.uint64(0)
+    for t in range(len(state.size)):
+        state.size[t], state.load[t], state.key[t] = 0, 0, np.uint64(0)
+    for order in range(len(trip)):
+        state.without[order] = -1.0
     words = np.empty(orders.masks.shape[1:], dtype=np.uint64)
     for order in range(len(trip)):
         _join(state, orders, order, trip[order])

@@ -133,7 +133,7 @@ def _trip_price(load: int, prices: Prices) -> float:
     return paid
 
 
-_trip_price = compile_kernel(_trip_price)
+_trip_price = compile_kernel(_trip_price, inner=True)
 
 
 def _count(prices: Prices, order: int, within: Ints) -> float:
@@ -147,7 +147,7 @@ def _count(prices: Prices, order: int, within: Ints) -> float:
     return paid
 
 
-_count = compile_kernel(_count)
+_count = compile_kernel(_count, inner=True)
 
 
 def _uncount(prices: Prices, order: int, within: Ints) -> None:
@@ -156,7 +156,7 @@ def _uncount(prices: Prices, order: int, within: Ints) -> None:
         within[prices.cuts_of[k]] -= prices.multipliers[k]
 
 
-_uncount = compile_kernel(_uncount)
+_uncount = compile_kernel(_uncount, inner=True)
 
 
 class Walk(NamedTuple):
@@ -257,15 +257,17 @@ def _list_batches(
         if max(length[depth], alone[order]) - gain - trip - more >= below:
             continue
         gain += _count(prices, order, within)
-        words[depth + 1] = words[depth] | orders.masks[order]
+        for part in range(words.shape[1]):
+            for w in range(words.shape[2]):
+                words[depth + 1, part, w] = words[depth, part, w] | orders.masks[order, part, w]
         tour = tour_length(words[depth + 1], orders.layout)
         tours -= 1
         reduced = tour - gain - trip
         chosen[depth] = order
         if reduced < below:
             least = min(least, reduced)
-            members[found, : depth + 1] = chosen[: depth + 1]
-            members[found, depth + 1 :] = -1
+            for k in range(width):
+                members[found, k] = chosen[k] if k <= depth else -1
             lengths[found], loads[found] = tour, heavy
             found += 1
         if reduced - more >= below:
