@@ -228,13 +228,18 @@ class BatchLoop:
         rounds: int | None = None,
         most: int | None = None,
     ) -> None:
-        """Propose until `stop`, or until so many rounds or proposals; one is a unit of work."""
+        """Propose until `stop`, or until so many rounds or proposals; one is a unit of work.
+
+        There is a proposal even when time is up.
+        """
         stop = stop.within(max_work=most)
-        while not stop(self.work) and self.rounds != rounds:
+        while True:
             self._round(self.assignment, self._assignment(), reads or READS, stop)
             if self.plans and not stop(self.work):
                 self._round(self.selection, self._selection(), reads or READS, stop)
             self.rounds += 1
+            if stop(self.work) or self.rounds == rounds:
+                break
 
     def _round(self, tally: Tally, made: tuple[BatchModel, float], reads: int, stop: Stop) -> None:
         model, scale = made

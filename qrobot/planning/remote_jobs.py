@@ -13,6 +13,7 @@ from qrobot.jobs import Estimate, JobStore, with_retries
 from qrobot.jobs.cost import FREE
 from qrobot.models import build_model
 from qrobot.plan.objective import DISTANCE, objective_named
+from qrobot.planning.batch_sampling import wants_batches
 from qrobot.planning.bounding import bound_from_below
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.reads import parameters_of, split_options, take_reads
@@ -54,6 +55,8 @@ def estimate(
     strategy.check_options(options)
     if (sampler := strategy.sampler) is None or not instance.orders:
         return FREE
+    if wants_batches(instance, sampler, options):
+        return FREE  # only samplers on this machine are asked for batches
     chosen, sampling = split_options(sampler, options)
     model = build(instance, sampler, chosen)
     asked = parameters_of(sampler, model, sampling, Stop(max_work=max_work), seed)

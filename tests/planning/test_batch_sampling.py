@@ -13,7 +13,9 @@ from qrobot import _jit
 from qrobot.backends import Capabilities, Stop, get
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import InputError
+from qrobot.jobs.cost import FREE
 from qrobot.plan.checker import check
+from qrobot.planning import estimate
 from qrobot.planning.batch_sampling import wants_batches
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
 
@@ -147,3 +149,14 @@ def test_the_distance_of_partitions() -> None:
     assert mean_distance([same, apart]) == 1.0
     assert mean_distance([same, np.array([0, 0, 1, 2])]) == pytest.approx(0.5)
     assert mean_distance([same]) is None
+
+
+def test_there_is_a_proposal_even_when_time_is_up() -> None:
+    loop = BatchLoop(whole_orders(8, 8), 0, RandomSource())
+    loop.run(Stop(0.0), reads=1)
+    assert loop.work == 1
+    assert len(loop.plans) == 1
+
+
+def test_batches_cost_nothing_to_estimate() -> None:
+    assert estimate(whole_orders(14, 14), "neal") == FREE
