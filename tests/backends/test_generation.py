@@ -217,3 +217,12 @@ def test_the_cache_is_found_where_numba_keeps_it(tmp_path, monkeypatch: pytest.M
     (cache_folder / "here_abc" / f"kernels.sweep-12.{tag}.nbi").write_text("")
     assert _jit.is_cached(source, "sweep")
     assert not _jit.is_cached(source, "other")
+
+
+def test_a_limit_of_work_ends_a_proof_and_repeats_it() -> None:
+    """24 orders on three trips are too many to be proven in 12 lists of batches."""
+    instance = some_orders(11, 24, 1, (24,))
+    found = [solve(instance, backend="exact", max_work=12, seed=1) for _ in range(2)]
+    assert not found[0].is_optimal
+    assert found[0].plan.to_dict() == found[1].plan.to_dict()
+    assert found[0].bound == found[1].bound

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from qrobot import _jit
@@ -34,8 +35,12 @@ def takes(instance: Instance) -> bool:
 
 
 def compiled_soon(stop: Stop) -> bool:
-    """Return whether the kernels are in numba's cache, or the time allows to compile them."""
-    if stop.remaining >= COMPILING:
+    """Return whether the kernels are in numba's cache, or may be compiled now.
+
+    They may where the time allows it, unless the environment says ``QROBOT_COMPILE=0``: in
+    containers, whose caches end with them.
+    """
+    if stop.remaining >= COMPILING and os.environ.get("QROBOT_COMPILE") != "0":
         return True
     here = Path(__file__).parent
     return all(_jit.is_cached(here / file, name) for file, name in KERNELS)

@@ -59,7 +59,7 @@ def generate(
     if proof.complete and routes is None:
         from qrobot.backends.classical.exact.packing import no_packing
 
-        return Search(infeasible=no_packing(instance), work=proof.programmes)
+        return Search(infeasible=no_packing(instance), work=proof.work)
     if proof.complete and routes is not None:
         bound = instance.length(routes)
-    return Search(routes=routes, bound=bound, optimal=proof.complete, work=proof.programmes)
+    return Search(routes=routes, bound=bound, optimal=proof.complete, work=proof.work)

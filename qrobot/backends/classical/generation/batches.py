@@ -24,6 +24,7 @@ from qrobot.warehouse.kernels import tour_length
 __all__ = [
     "Pool",
     "Prices",
+    "Work",
     "best_for_each",
     "count_batches",
     "find_batches",
@@ -283,12 +284,29 @@ def _list_batches(
 list_batches = compile_kernel(_list_batches)
 
 
+class Work(Stop):
+    """A stop that counts the work itself: linear programmes, and lists of `TOURS` tours."""
+
+    def __init__(self, stop: Stop) -> None:
+        super().__init__(None, stop.max_work, parent=stop)
+        self.done = 0
+
+    def __call__(self, work: int = 0) -> bool:
+        """Return True when it is time to stop."""
+        return super().__call__(max(work, self.done))
+
+    def affords(self, lists: float, seconds: float) -> bool:
+        """Return whether there is work and time for so many lists."""
+        left = math.inf if self.max_work is None else self.max_work - self.done
+        return lists <= left and seconds <= self.remaining
+
+
 def find_batches(
     orders: Orders,
     prices: Prices,
     below: float,
     room: Pool,
-    stop: Stop,
+    stop: Work,
     expected: float = 0.0,
 ) -> tuple[Pool, float]:
     """Return batches below a reduced cost, and the least of all.
@@ -316,10 +334,11 @@ def find_batches(
     began = time.perf_counter()
     while walk.at[0] >= 0 and walk.at[1] < len(room.lengths) and not stop():
         list_batches(orders, prices, table, scale, below, walk, TOURS, *room)
+        stop.done += 1
         found = int(walk.at[1])
         if expected and found >= TOURS // 2:
-            pace = (time.perf_counter() - began) / found
-            if pace * (expected - found) > stop.remaining:
+            left = expected - found
+            if not stop.affords(left / TOURS, (time.perf_counter() - began) / found * left):
                 break
     least = float(walk.least[0]) if walk.at[0] < 0 else -math.inf
     return room.take(slice(int(walk.at[1]))), least

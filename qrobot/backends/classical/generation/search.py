@@ -23,7 +23,7 @@ import numpy.typing as npt
 from qrobot._arrays import Floats, Ints
 from qrobot.backends.base import Stop
 from qrobot.backends.classical.generation import batches
-from qrobot.backends.classical.generation.batches import Pool, Prices
+from qrobot.backends.classical.generation.batches import Pool, Prices, Work
 from qrobot.backends.classical.generation.cuts import violated_cuts
 from qrobot.backends.classical.generation.master import Master, Pairs
 from qrobot.backends.classical.orders import Batch, Orders, lengths_of
@@ -63,14 +63,15 @@ class Proof:
         The orders of each batch of a plan that costs less than the one given; None without.
     complete
         Whether the plan found, or the one given, is proven to be best.
-    programmes
-        Linear programmes solved.
+    programmes, work
+        Linear programmes solved, and units of work done.
     """
 
     bound: float = 0.0
     plan: list[Batch] | None = None
     complete: bool = False
     programmes: int = 0
+    work: int = 0
 
 
 @dataclass(slots=True)
@@ -146,16 +147,17 @@ class Generation:
         """Let batches that are known to be good take part from the start."""
         self._add(self.pool_of(plan))
 
-    def prove(self, upper: float, stop: Stop) -> Proof:
+    def prove(self, upper: float, until: Stop) -> Proof:
         """Prove that no plan costs less than a known one, find a better one, or a bound.
 
         Parameters
         ----------
         upper
             Cost of a known plan, with the price of trips; ``inf`` without one.
-        stop
-            Deadline and interrupts.
+        until
+            Deadline, interrupts and limit of work: linear programmes, and lists of batches.
         """
+        stop = Work(until)
         proof = self.proof = Proof()
         # No plan costs more than a trip for each order.
         self.upper = min(upper, 2.0 * self.scale * self.count)
@@ -179,7 +181,7 @@ class Generation:
             for piece in smaller:
                 made += 1
                 heapq.heappush(parts, (piece.bound, made, piece))
-        proof.complete = not parts
+        proof.complete, proof.work = not parts, stop.done
         left = min((bound for bound, _, _ in parts), default=self.upper)
         proof.bound = min(max(proof.bound, left), self.upper)
         return proof
@@ -213,7 +215,7 @@ class Generation:
     def _add(self, pool: Pool) -> int:
         return self.master.add(pool.members, pool.lengths + self.tie, pool.loads)
 
-    def _list_all(self, stop: Stop) -> None:
+    def _list_all(self, stop: Work) -> None:
         """List every batch where they are few enough and none are given."""
         if self.pool is not None:
             return
@@ -225,7 +227,7 @@ class Generation:
             self.pool = pool if least > -math.inf else None
 
     def _search(
-        self, prices: Prices, below: float, most: int, stop: Stop, expected: float = 0.0
+        self, prices: Prices, below: float, most: int, stop: Work, expected: float = 0.0
     ) -> tuple[Pool, float]:
         room = Pool(
             np.empty((most, self.width), dtype=self.narrow),
@@ -252,7 +254,7 @@ class Generation:
             first_cut=np.cumsum([0, *map(len, of)]).astype(np.int64),
         )
 
-    def _split(self, part: Part, stop: Stop, *, cutting: bool) -> list[Part] | None:
+    def _split(self, part: Part, stop: Work, *, cutting: bool) -> list[Part] | None:
         """Solve a part; return what is left of it in parts, None without time."""
         if len(self.master) > MOST_COLUMNS:
             self._forget()
@@ -271,7 +273,7 @@ class Generation:
                 return None
         return self._branch(part)
 
-    def _converge(self, part: Part, stop: Stop) -> bool:
+    def _converge(self, part: Part, stop: Work) -> bool:
         """Solve the linear programme over all batches of a part; return whether it is solved."""
         pool = None
         if part.rows is not None and self.pool is not None:
@@ -279,6 +281,7 @@ class Generation:
         while not stop():
             value = self.master.solve()
             self.proof.programmes += 1
+            stop.done += 1
             prices = self._prices(*self.master.prices)
             offset = self.tie - self.master.trip_price
             if pool is None:
@@ -316,7 +319,7 @@ class Generation:
             if cost <= self.limit:
                 self.upper, self.proof.plan = cost, used
 
-    def _list_gap(self, part: Part, stop: Stop) -> None:
+    def _list_gap(self, part: Part, stop: Work) -> None:
         """List the batches that a better plan may hold, where they are few enough."""
         if stop() or not math.isfinite(self.upper):
             return
