@@ -3,6 +3,7 @@
 from qrobot.plan.checker import CheckReport, Problem
 from qrobot.plan.files import check, plan_of, read_plan
 from qrobot.plan.objective import OBJECTIVES, Objective
+from qrobot.plan.picks import Pick, as_picked
 from qrobot.plan.plan import PLAN_SCHEMA, Plan, Trip
 
 __all__ = [
@@ -10,9 +11,11 @@ __all__ = [
     "PLAN_SCHEMA",
     "CheckReport",
     "Objective",
+    "Pick",
     "Plan",
     "Problem",
     "Trip",
+    "as_picked",
     "check",
     "plan_of",
     "read_plan",

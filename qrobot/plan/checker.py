@@ -17,10 +17,12 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from qrobot.plan.objective import OBJECTIVES
+from qrobot.plan.picks import as_picked
 from qrobot.plan.plan import Plan, Trip
 from qrobot.plan.ruler import Ruler
 from qrobot.problem.entities import Item, Robot
 from qrobot.problem.instance import Instance
+from qrobot.problem.warehouse import Place
 
 __all__ = ["CheckReport", "Problem", "check"]
 
@@ -29,7 +31,7 @@ ABSOLUTE = 1e-9
 
 Kind = Literal[
     "missing", "repeated", "unknown", "orders", "split", "overload", "load", "robot", "turns",
-    "empty", "unreachable", "distance", "time", "total", "cost",
+    "empty", "unreachable", "distance", "time", "total", "cost", "stock", "quantity",
 ]  # fmt: skip
 
 
@@ -44,7 +46,8 @@ class Problem:
         with the stops; ``split`` orders; ``overload``; a wrong ``load`` or ``distance``;
         an unknown ``robot``; too many ``turns`` of one; an ``empty`` trip; an
         ``unreachable`` stop (a way that does not exist); a wrong driving ``time``; a wrong
-        ``total``, or ``cost`` by the objective.
+        ``total``, or ``cost`` by the objective; more taken from a place than its ``stock``; a
+        ``quantity`` of an article that is not what an order asks for.
     text
         One sentence with the numbers.
     """
@@ -122,9 +125,13 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         with the stops; no load exceeds its robot's capacity (exact fractions); robots are
         known and make no more trips than they may; no trip is empty; loads, driving times,
         the distance of every trip, the total and the cost by the plan's objective are stated
-        right (relative tolerance 1e-6); every way exists. A driving time of 0 counts as not stated.
+        right (relative tolerance 1e-6); every way exists; of articles with a stock no place gives
+        more than it has, and each order gets what it asks for. A driving time of 0 counts as
+        not stated.
     """
-    problems = [*_items(plan, instance), *_orders(plan, instance), *_robots(plan, instance)]
+    problems = list(_stock(plan, instance))
+    instance = as_picked(instance, plan.picks)
+    problems += [*_items(plan, instance), *_orders(plan, instance), *_robots(plan, instance)]
     robots = {robot.id: robot for robot in instance.robots}
     items = {item.id: item for item in instance.items}
     ruler = Ruler(instance.warehouse)
@@ -159,6 +166,39 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         objective=plan.objective,
         cost=cost,
     )
+
+
+def _stock(plan: Plan, instance: Instance) -> Iterator[Problem]:
+    """Compare what is taken from places with what lies there, and with what orders ask for."""
+    if not plan.picks:
+        return
+    there = {(one.article, one.place): one.quantity for one in instance.stock}
+    known = {one.article for one in instance.stock}
+    owner = {item: order.id for order in instance.orders for item in order.items}
+    balance = Counter[tuple[str, str]]()
+    for item in instance.items:
+        if item.article in known:
+            balance[owner[item.id], item.article] += item.quantity
+    asked = dict(balance)
+    taken = Counter[tuple[str, Place]]()
+    for pick in plan.picks:
+        balance[pick.order, pick.article] -= pick.quantity
+        taken[pick.article, pick.place] += pick.quantity
+    for (order, article), missing in balance.items():
+        if missing:
+            wanted = asked.get((order, article), 0)
+            yield Problem(
+                "quantity",
+                f"order {order} asks for {wanted} pieces of article {article}, the plan takes "
+                f"{wanted - missing}",
+            )
+    for (article, place), pieces in taken.items():
+        if pieces > there.get((article, place), 0):
+            yield Problem(
+                "stock",
+                f"{pieces} pieces of article {article} are taken from {place}, "
+                f"{there.get((article, place), 0)} are there",
+            )
 
 
 def _items(plan: Plan, instance: Instance) -> Iterator[Problem]:

@@ -13,6 +13,7 @@ from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
 from qrobot.errors import InputError
 from qrobot.plan.objective import DISTANCE, Objective, assign, cost, objective_named
+from qrobot.plan.picks import Pick, picks_of
 from qrobot.problem.checks import canonical
 from qrobot.problem.entities import Robot
 from qrobot.problem.instance import Instance
@@ -78,6 +79,8 @@ class Plan:
         Name of the objective that it was made for.
     value
         What it costs by that objective; ``None``: its distance.
+    picks
+        What is taken from which place, of articles that have a stock.
     """
 
     trips: tuple[Trip, ...]
@@ -86,6 +89,7 @@ class Plan:
     split: bool = False
     objective: str = "distance"
     value: float | None = None
+    picks: tuple[Pick, ...] = ()
 
     @property
     def cost(self) -> float:
@@ -159,6 +163,7 @@ class Plan:
             split=instance.split,
             objective=objective.name,
             value=None if objective is DISTANCE else cost(instance, kept, objective),
+            picks=picks_of(instance),
         )
 
     def routes(self, instance: Instance) -> list[list[int]]:
@@ -191,6 +196,7 @@ class Plan:
                 }
                 for t in self.trips
             ],
+            **({"picks": [pick.to_dict() for pick in self.picks]} if self.picks else {}),
         }
 
     @classmethod
@@ -235,6 +241,7 @@ class Plan:
             split=top.take("split_orders", _flag, False),
             objective=objective,
             value=None if objective == "distance" and value == distance else value,
+            picks=top.take("picks", _picks, ()),
         )
 
 
@@ -319,6 +326,13 @@ def _list(value: Any) -> list[Any]:
 
 def _texts(value: Any) -> tuple[str, ...]:
     return tuple(map(_text, _list(value)))
+
+
+def _picks(value: Any) -> tuple[Pick, ...]:
+    try:
+        return tuple(map(Pick.from_dict, _list(value)))
+    except KeyError as error:
+        raise TypeError(f"{error} is missing") from None
 
 
 def _flag(value: Any) -> bool:

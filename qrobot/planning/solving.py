@@ -17,6 +17,7 @@ from qrobot.plan import Objective, Plan, check
 from qrobot.plan.objective import objective_named
 from qrobot.planning.bounding import bound_from_below
 from qrobot.planning.feasibility import reason_infeasible
+from qrobot.planning.places import plan_after_places, run_with_places
 from qrobot.planning.result import Ending, Result, SamplerReport
 from qrobot.planning.run import TIE, Progress, Run
 from qrobot.planning.strategy import (
@@ -127,12 +128,17 @@ def solve(
     aim = objective_named(objective)
 
     def answer(name: str, strategy: Strategy) -> Result:
-        run = Run(instance, strategy.limits(limits), int(seed), on_progress, objective=aim)
+        stop = strategy.limits(limits)
         if (reason := reason_infeasible(instance)) is not None:
             raise InfeasibleError(reason)
-        with _stop_on_interrupt(run.stop):
-            strategy.plan(run)
-            bound_from_below(run)
+        with _stop_on_interrupt(stop):
+            run = run_with_places(instance, strategy.name, stop, int(seed), on_progress, aim)
+            if run is None:
+                run = Run(instance, stop, int(seed), on_progress, objective=aim)
+                strategy.plan(run)
+                bound_from_below(run)
+            elif not run.finished:
+                plan_after_places(run, strategy)
         return result_of(run, name)
 
     def first() -> Result:

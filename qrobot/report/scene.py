@@ -13,7 +13,7 @@ from qrobot._files import StrPath
 from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
-from qrobot.plan import OBJECTIVES, Plan, Trip, plan_of
+from qrobot.plan import OBJECTIVES, Plan, Trip, as_picked, plan_of
 from qrobot.problem import AisleWarehouse, Instance, Item, Place, Warehouse
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
@@ -113,7 +113,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
         instance = answer.instance if instance is None else instance
     if instance is None:
         raise InputError("a plan alone has no warehouse", advice="give its instance too")
-    instance = instance_of(instance)
+    instance = as_picked(instance_of(instance), plan.picks)
     items = {item.id: item for item in instance.items}
     fleet = {robot.id: i for i, robot in enumerate(instance.robots)}
     several = {robot for robot, n in Counter(t.robot for t in plan.trips).items() if n > 1}

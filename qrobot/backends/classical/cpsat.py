@@ -12,7 +12,7 @@ from typing import Any
 from qrobot._extras import load
 from qrobot.backends.base import Stop
 
-__all__ = ["new_solver", "solve"]
+__all__ = ["new_solver", "run", "solve"]
 
 POLL = 0.05
 """Seconds between looks at interrupts."""
@@ -21,20 +21,22 @@ LONGEST = 1e6
 """Seconds; longer limits are none, and would not fit CP-SAT's milliseconds."""
 
 
-def new_solver(what: str) -> Any:
-    """Return an empty CP-SAT model.
+def new_solver(what: str, name: str = "SAT") -> Any:
+    """Return an empty model of CP-SAT, or of another solver of OR-Tools.
 
     Parameters
     ----------
     what
         Who asks, for the error.
+    name
+        Of the solver, as the wrapper knows it.
 
     Raises
     ------
     MissingExtraError
         When OR-Tools is not installed.
     """
-    return load("ortools.linear_solver.pywraplp", what).Solver.CreateSolver("SAT")
+    return load("ortools.linear_solver.pywraplp", what).Solver.CreateSolver(name)
 
 
 def solve(solver: Any, stop: Stop, seed: int) -> int:
@@ -60,6 +62,11 @@ def solve(solver: Any, stop: Stop, seed: int) -> int:
     if stop.max_work is not None:
         parameters += f" max_deterministic_time:{max(stop.max_work, 1) / 1000}"
     solver.SetSolverSpecificParametersAsString(parameters)
+    return run(solver, stop)
+
+
+def run(solver: Any, stop: Stop) -> int:
+    """Solve a model with the parameters it has, until it is done or `stop` says so."""
     if stop.remaining < LONGEST:
         solver.SetTimeLimit(max(1, int(1000 * stop.remaining)))
     status: list[int] = []

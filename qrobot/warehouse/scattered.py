@@ -1,0 +1,431 @@
+"""Places and tour together, for articles that lie in several places: a network of choices.
+
+The sweep's states (`states`) are the nodes of a network, the choices for sub-aisles and segments
+its arcs, and a tour is a path through it. In each sub-aisle the choice also says how far it is
+entered, and so which places are passed; the places on the path must have enough of every article
+(Hessler and Irnich 2022). Here the network is built and made small: choices that another one
+replaces are left out, and so is what prices of the articles (a Lagrangian bound) show to be on
+no tour that is shorter than a known one. A solver of whole-number programmes finds the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from math import gcd, lcm
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot import _jit
+from qrobot._arrays import Floats
+from qrobot.problem import AisleWarehouse, Slot
+from qrobot.warehouse.grid import Grid, grid_of, positions_of
+from qrobot.warehouse.states import VERTICAL, transitions
+from qrobot.warehouse.sweep import Numbers
+
+__all__ = ["Choices", "Network", "Offer", "Relaxed", "network_of", "relax", "step_of"]
+
+ROUNDS = 150
+"""Of the search for prices."""
+PATIENCE, SHORTER = 8, 0.6
+"""After so many rounds without a better bound the steps become shorter by this factor."""
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """Pieces of an article that could be taken in a place.
+
+    Parameters
+    ----------
+    article
+        Index of the article.
+    slot
+        The place.
+    quantity
+        How many there are.
+    """
+
+    article: int
+    slot: Slot
+    quantity: int
+
+
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """What can be done in sub-aisles so that places are passed.
+
+    Parameters
+    ----------
+    groups
+        Shape (n,): which sub-aisle and kind each belongs to, as `Network.groups` counts them.
+    costs
+        Shape (n,), metres.
+    pieces
+        Shape (n, articles): what can be taken, at most what is asked for.
+    offers
+        For each the indices of the offers on its way.
+    """
+
+    groups: Numbers
+    costs: Floats
+    pieces: Numbers
+    offers: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """Paths from node 0 to the last node are tours.
+
+    Parameters
+    ----------
+    nodes
+        Their number.
+    tails, heads
+        Shape (arcs,): nodes, in rising sequence of the heads.
+    costs
+        Shape (arcs,), metres, without those of choices.
+    groups
+        Shape (arcs,): the group whose choice an arc needs; -1: none.
+    choices
+        What each group offers.
+    demand
+        Shape (articles,).
+    lead
+        Metres that come to every tour.
+    """
+
+    nodes: int
+    tails: Numbers
+    heads: Numbers
+    costs: Floats
+    groups: Numbers
+    choices: Choices
+    demand: Numbers
+    lead: float
+
+
+def network_of(
+    warehouse: AisleWarehouse, offers: Sequence[Offer], demand: Sequence[int]
+) -> Network:
+    """Return the network of a layout, what lies there, and what is asked for.
+
+    Parameters
+    ----------
+    warehouse
+        At most six cross aisles.
+    offers
+        What lies where.
+    demand
+        Pieces asked for of each article.
+    """
+    asked = np.array(demand, dtype=np.int64)
+    useful = [i for i, offer in enumerate(offers) if asked[offer.article] > 0]
+    parts, offsets = positions_of(warehouse, [offers[i].slot for i in useful])
+    grid, parts = _without_empty(grid_of(warehouse), parts)
+    groups, costs, pieces, taken = [], [], [], []
+    for part in np.unique(parts).tolist():
+        inside = np.flatnonzero(parts == part)
+        inside = inside[np.argsort(offsets[inside], kind="stable")]
+        length = float(grid.along.ravel()[part])
+        if not np.isfinite(length):
+            continue
+        amounts = np.zeros((len(inside), len(asked)), dtype=np.int64)
+        for row, i in enumerate(inside.tolist()):
+            amounts[row, offers[useful[i]].article] = offers[useful[i]].quantity
+        for kind, cost, total, rows in _choices(length, offsets[inside], amounts, asked):
+            groups.append(len(VERTICAL) * part + kind)
+            costs.append(cost)
+            pieces.append(total)
+            taken.append(tuple(useful[inside[row]] for row in rows))
+    filled = set(parts.tolist())
+    return _network(
+        grid,
+        filled,
+        Choices(
+            np.array(groups, dtype=np.int64),
+            np.array(costs, dtype=np.float64),
+            np.array(pieces, dtype=np.int64).reshape(-1, len(asked)),
+            tuple(taken),
+        ),
+        asked,
+    )
+
+
+def _without_empty(grid: Grid, parts: npt.NDArray[np.intp]) -> tuple[Grid, npt.NDArray[np.intp]]:
+    """Leave out columns without places, when everything is open: no tour needs them."""
+    if not grid.is_open:
+        return grid, parts
+    blocks = grid.cross_aisles - 1
+    kept = np.unique([*(parts // blocks), grid.depot[0]])
+    sums = np.vstack([np.zeros((1, grid.cross_aisles)), np.cumsum(grid.across, axis=0)])
+    column = np.searchsorted(kept, parts // blocks)
+    smaller = Grid(
+        across=np.diff(sums[kept], axis=0),
+        along=grid.along[kept],
+        depot=(int(np.searchsorted(kept, grid.depot[0])), grid.depot[1]),
+        lead=grid.lead,
+    )
+    return smaller, column * blocks + parts % blocks
+
+
+def _choices(
+    length: float, offsets: Floats, amounts: Numbers, asked: Numbers
+) -> list[tuple[int, float, Numbers, list[int]]]:
+    """Return kind, cost, pieces and places of the choices that no other one replaces."""
+    places = sorted(set(offsets.tolist()))
+    level = np.searchsorted(places, offsets)
+    count = len(places)
+    found: list[tuple[int, float, Numbers, list[int]]] = []
+
+    def add(kind: str, cost: float, front: int, back: int) -> None:
+        """Add a choice that passes the first so many places, and those from `back` on."""
+        rows = np.flatnonzero((level < front) | (level >= back))
+        total = np.minimum(amounts[rows].sum(axis=0), asked)
+        found.append((VERTICAL.index(kind), cost, total, rows.tolist()))
+
+    add("pass", length, count, count)
+    add("twice", 2 * length, count, count)
+    for reach in range(1, count + 1):
+        add("front", 2 * places[reach - 1], reach, count)
+        add("back", 2 * (length - places[count - reach]), 0, count - reach)
+        for back in range(reach, count):
+            add("both", 2 * (places[reach - 1] + length - places[back]), reach, back)
+    kept = []
+    for kind in range(1, len(VERTICAL)):
+        same = sorted((f for f in found if f[0] == kind), key=lambda f: f[1])
+        totals = np.array([f[2] for f in same], dtype=np.int64).reshape(len(same), len(asked))
+        for i, one in enumerate(same):
+            if not (totals[:i] >= totals[i]).all(axis=1).any():
+                kept.append(one)
+    return kept
+
+
+@cache
+def _across(cross_aisles: int) -> Numbers:
+    """Return the steps to the next column: state before, state after, walks of each segment."""
+    table = transitions(cross_aisles)
+    steps = {(s, s): [0] * cross_aisles for s in range(table.count)}
+    for cross, single in enumerate(table.across):
+        out: dict[int, list[tuple[int, int]]] = {}
+        for before, after, walks in single.tolist():
+            out.setdefault(before, []).append((after, walks))
+        steps = {
+            (first, after): [*done[:cross], walks, *done[cross + 1 :]]
+            for (first, middle), done in steps.items()
+            for after, walks in out.get(middle, ())
+        }
+    return np.array([[*ends, *walks] for ends, walks in steps.items()], dtype=np.int64)
+
+
+def _network(grid: Grid, filled: set[int], choices: Choices, asked: Numbers) -> Network:
+    """Return the arcs between states, column by column, that lie on a path."""
+    table = transitions(grid.cross_aisles)
+    blocks = grid.cross_aisles - 1
+    across = _across(grid.cross_aisles)
+    layers: list[tuple[Numbers, Floats, Numbers]] = []
+    for column in range(len(grid.along)):
+        if column == grid.depot[0]:
+            steps = table.visit[grid.depot[1]].astype(np.int64)
+            layers.append((steps[:, :2], np.zeros(len(steps)), np.full(len(steps), -1)))
+        for block in range(blocks):
+            part = column * blocks + block
+            steps = table.along[block].astype(np.int64)
+            kinds = steps[:, 2]
+            length = grid.along[column, block]
+            if part in filled:
+                group = np.where(kinds > 0, len(VERTICAL) * part + kinds, -1)
+                prices = np.where(np.isfinite(length) | (kinds == 0), 0.0, np.inf)
+            else:
+                group = np.full(len(steps), -1)
+                prices = np.array([0.0, length, np.inf, np.inf, np.inf, 2 * length])[kinds]
+            layers.append((steps[:, :2], prices, group))
+        last = column == len(grid.along) - 1
+        lengths = np.full(blocks + 1, np.inf) if last else grid.across[column]
+        with np.errstate(invalid="ignore"):
+            each = np.where(across[:, 2:] > 0, across[:, 2:] * lengths, 0.0)
+        layers.append((across[:, :2], each.sum(axis=1), np.full(len(across), -1)))
+    offered = set(choices.groups.tolist())
+    reached = np.zeros(table.count, dtype=bool)
+    reached[table.begin] = True
+    kept = []
+    for ends, prices, group in layers:
+        use = reached[ends[:, 0]] & np.isfinite(prices)
+        use &= np.array([g < 0 or g in offered for g in group.tolist()])
+        kept.append((ends[use], prices[use], group[use]))
+        reached = np.zeros(table.count, dtype=bool)
+        reached[ends[use, 1]] = True
+    wanted = np.zeros(table.count, dtype=bool)
+    wanted[table.done] = True
+    tails, heads, costs, groups = [], [], [], []
+    for layer in range(len(kept) - 1, -1, -1):
+        ends, prices, group = kept[layer]
+        use = wanted[ends[:, 1]]
+        tails.append(ends[use, 0] + layer * table.count)
+        heads.append(ends[use, 1] + (layer + 1) * table.count)
+        costs.append(prices[use])
+        groups.append(group[use])
+        wanted = np.zeros(table.count, dtype=bool)
+        wanted[ends[use, 0]] = True
+    tail, head = np.concatenate(tails[::-1]), np.concatenate(heads[::-1])
+    names, where = np.unique(np.concatenate([tail, head]), return_inverse=True)
+    order = np.argsort(where[len(tail) :], kind="stable")
+    return Network(
+        nodes=len(names),
+        tails=where[: len(tail)][order],
+        heads=where[len(tail) :][order],
+        costs=np.concatenate(costs[::-1])[order],
+        groups=np.concatenate(groups[::-1])[order],
+        choices=choices,
+        demand=asked,
+        lead=2 * grid.lead,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Relaxed:
+    """A bound from prices of articles, and for each arc and choice the bound when it is used.
+
+    Parameters
+    ----------
+    network
+        The network.
+    bound
+        No tour is shorter, metres.
+    arcs, choices
+        Shape (arcs,) and (choices,): no tour that uses it is shorter.
+    """
+
+    network: Network
+    bound: float
+    arcs: Floats
+    choices: Floats
+
+    def within(self, length: float) -> Network:
+        """Return the network of what may be on a tour of at most this length."""
+        old = self.network
+        use, kept = self.arcs <= length, np.flatnonzero(self.choices <= length)
+        ends = np.concatenate([[0], old.tails[use], old.heads[use], [old.nodes - 1]])
+        names, ends = np.unique(ends, return_inverse=True)
+        tails, heads = np.split(ends[1:-1], 2)
+        return replace(
+            old,
+            nodes=len(names),
+            tails=tails,
+            heads=heads,
+            costs=old.costs[use],
+            groups=old.groups[use],
+            choices=Choices(
+                old.choices.groups[kept],
+                old.choices.costs[kept],
+                old.choices.pieces[kept],
+                tuple(old.choices.offers[k] for k in kept),
+            ),
+        )
+
+
+def relax(network: Network) -> Relaxed:
+    """Return the bound of the best prices that some rounds of a subgradient search find.
+
+    Each piece has a price, and a path need no longer have enough of anything: it costs its
+    length less the prices of its pieces. That, plus the prices of all that is asked for, is a
+    bound.
+    """
+    order = np.argsort(network.choices.groups, kind="stable")
+    costs = network.choices.costs[order]
+    pieces = network.choices.pieces[order].astype(np.float64)
+    names, starts = np.unique(network.choices.groups[order], return_index=True)
+    sizes = np.diff(np.append(starts, len(order)))
+    group = np.searchsorted(names, network.groups)
+    group[network.groups < 0] = len(names)  # the last one costs nothing
+    least = np.zeros(len(names) + 1)
+    ahead, back = np.empty(network.nodes), np.empty(network.nodes)
+    came = np.zeros(network.nodes, dtype=np.int64)
+    asked = network.demand.astype(np.float64)
+    sweep = _kernel()
+
+    def path(prices: Floats, *, both: bool = False) -> tuple[Floats, Floats]:
+        """Sweep at given prices; return what choices and arcs then cost."""
+        reduced = costs - pieces @ prices
+        least[:-1] = np.minimum.reduceat(reduced, starts) if len(order) else 0.0
+        total = network.costs + least[group]
+        sweep(network.tails, network.heads, total, ahead, came, back, both)
+        return reduced, total
+
+    prices = np.zeros(len(asked))
+    per_piece = costs / np.maximum(pieces.sum(axis=1), 1.0)
+    for article in range(len(asked)):
+        prices[article] = per_piece[pieces[:, article] > 0].min(initial=np.inf)
+    prices[~np.isfinite(prices)] = 0.0
+    best, chosen, scale, stalled = 0.0, np.zeros(len(asked)), 1.0, 0
+    for _ in range(ROUNDS):
+        reduced, _ = path(prices)
+        value = float(ahead[-1] + prices @ asked)
+        if not np.isfinite(value):
+            return Relaxed(network, np.inf, ahead[network.tails], np.full(len(costs), np.inf))
+        stalled = 0 if value > best * 1.001 else stalled + 1
+        if value > best:
+            best, chosen = value, prices
+        if stalled >= PATIENCE:
+            scale, stalled = scale * SHORTER, 0
+        missing, node = asked.copy(), network.nodes - 1
+        while node:
+            arc = came[node]
+            if group[arc] < len(names):
+                first = starts[group[arc]]
+                pick = first + int(np.argmin(reduced[first : first + sizes[group[arc]]]))
+                missing -= pieces[pick]
+            node = network.tails[arc]
+        missing[(prices <= 0.0) & (missing < 0.0)] = 0.0
+        square = float(missing @ missing)
+        if square == 0.0:
+            break
+        # Polyak's step towards a value a little above the best bound.
+        prices = np.maximum(0.0, prices + scale * (best * 1.03 + 1.0 - value) / square * missing)
+    reduced, total = path(chosen, both=True)
+    add = float(chosen @ asked) + network.lead
+    arcs = ahead[network.tails] + total + back[network.heads] + add
+    cheapest = np.full(len(names) + 1, np.inf)
+    np.minimum.at(cheapest, group, arcs)
+    choices = np.empty(len(costs))
+    choices[order] = np.repeat(cheapest[:-1] - least[:-1], sizes) + reduced
+    return Relaxed(network, float(ahead[-1]) + add, arcs, choices)
+
+
+def step_of(warehouse: AisleWarehouse) -> float:
+    """Return a length of which every tour is a multiple.
+
+    A closed walk crosses every line an even number of times.
+    """
+    lengths = [warehouse.aisle_pitch, warehouse.slot_pitch, warehouse.depot_distance]
+    lengths += [gap for pair in warehouse.gaps for gap in pair]
+    parts = [Fraction(str(length)) for length in lengths if length > 0.0]
+    below = lcm(*(part.denominator for part in parts))
+    return 2.0 * gcd(*(int(part * below) for part in parts)) / below
+
+
+def _sweep(tails: Any, heads: Any, costs: Any, ahead: Any, came: Any, back: Any, both: Any) -> None:
+    """Find the least costs from the first node to each, and where asked to the last."""
+    ahead[:] = np.inf
+    ahead[0] = 0.0
+    for arc in range(len(tails)):
+        cost = ahead[tails[arc]] + costs[arc]
+        if cost < ahead[heads[arc]]:
+            ahead[heads[arc]] = cost
+            came[heads[arc]] = arc
+    if both:
+        back[:] = np.inf
+        back[-1] = 0.0
+        for arc in range(len(tails) - 1, -1, -1):
+            cost = back[heads[arc]] + costs[arc]
+            if cost < back[tails[arc]]:
+                back[tails[arc]] = cost
+
+
+@cache
+def _kernel() -> Callable[..., None]:
+    """Return the sweep, compiled where numba is installed."""
+    return _jit.compile_kernel(_sweep) if _jit.available() else _sweep
