@@ -15,7 +15,8 @@ from qrobot.backends.base import Stop
 from qrobot.backends.classical import cpsat
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Place, Slot
 from qrobot.warehouse import MAX_CROSS_AISLES, Router
-from qrobot.warehouse.scattered import Network, Offer, network_of, relax, step_of
+from qrobot.warehouse.prices import relax
+from qrobot.warehouse.scattered import Network, Offer, network_of, step_of
 
 __all__ = ["Placed", "can_choose", "choose_places"]
 
