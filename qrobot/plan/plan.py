@@ -196,7 +196,7 @@ class Plan:
                 }
                 for t in self.trips
             ],
-            **({"picks": [pick.to_dict() for pick in self.picks]} if self.picks else {}),
+            "picks": [pick.to_dict() for pick in self.picks],
         }
 
     @classmethod
