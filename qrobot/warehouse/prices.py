@@ -126,7 +126,7 @@ def relax(network: Network) -> Relaxed:
         # Polyak's step towards a value a little above the best bound.
         prices = np.maximum(0.0, prices + scale * (best * 1.03 + 1.0 - value) / square * missing)
     reduced, total = path(chosen, both=True)
-    add = float(chosen @ asked) + network.lead
+    add = float(chosen @ asked)
     arcs = ahead[network.tails] + total + back[network.heads] + add
     cheapest = np.full(len(names) + 1, np.inf)
     np.minimum.at(cheapest, group, arcs)

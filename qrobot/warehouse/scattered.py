@@ -21,10 +21,13 @@ import numpy.typing as npt
 from qrobot._arrays import Floats
 from qrobot.problem import AisleWarehouse, Slot
 from qrobot.warehouse.grid import Grid, grid_of, positions_of
-from qrobot.warehouse.states import VERTICAL, transitions
-from qrobot.warehouse.sweep import Numbers
+from qrobot.warehouse.states import PLAIN
+from qrobot.warehouse.sweep import Ends, Numbers, flatten
 
 __all__ = ["Choices", "Network", "Offer", "network_of", "step_of"]
+
+KINDS = ("none", "pass", "twice", "front", "back", "both")
+"""The first of `states.VERTICAL`, those that are possible anywhere."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +89,6 @@ class Network:
         What each group offers.
     demand
         Shape (articles,).
-    lead
-        Metres that come to every tour.
     """
 
     nodes: int
@@ -97,7 +98,6 @@ class Network:
     groups: Numbers
     choices: Choices
     demand: Numbers
-    lead: float
 
 
 def network_of(
@@ -129,7 +129,7 @@ def network_of(
         for row, i in enumerate(inside.tolist()):
             amounts[row, offers[useful[i]].article] = offers[useful[i]].quantity
         for kind, cost, total, rows in _choices(length, offsets[inside], amounts, asked):
-            groups.append(len(VERTICAL) * part + kind)
+            groups.append(PLAIN * part + kind)
             costs.append(cost)
             pieces.append(total)
             taken.append(tuple(useful[inside[row]] for row in rows))
@@ -152,14 +152,15 @@ def _without_empty(grid: Grid, parts: npt.NDArray[np.intp]) -> tuple[Grid, npt.N
     if not grid.is_open:
         return grid, parts
     blocks = grid.cross_aisles - 1
-    kept = np.unique([*(parts // blocks), grid.depot[0]])
+    kept = np.unique([*(parts // blocks), *(door.column for door in grid.doors)])
     sums = np.vstack([np.zeros((1, grid.cross_aisles)), np.cumsum(grid.across, axis=0)])
     column = np.searchsorted(kept, parts // blocks)
     smaller = Grid(
         across=np.diff(sums[kept], axis=0),
         along=grid.along[kept],
-        depot=(int(np.searchsorted(kept, grid.depot[0])), grid.depot[1]),
-        lead=grid.lead,
+        doors=tuple(
+            door._replace(column=int(np.searchsorted(kept, door.column))) for door in grid.doors
+        ),
     )
     return smaller, column * blocks + parts % blocks
 
@@ -177,7 +178,7 @@ def _choices(
         """Add a choice that passes the first so many places, and those from `back` on."""
         rows = np.flatnonzero((level < front) | (level >= back))
         total = np.minimum(amounts[rows].sum(axis=0), asked)
-        found.append((VERTICAL.index(kind), cost, total, rows.tolist()))
+        found.append((KINDS.index(kind), cost, total, rows.tolist()))
 
     add("pass", length, count, count)
     add("twice", 2 * length, count, count)
@@ -187,7 +188,7 @@ def _choices(
         for back in range(reach, count):
             add("both", 2 * (places[reach - 1] + length - places[back]), reach, back)
     kept = []
-    for kind in range(1, len(VERTICAL)):
+    for kind in range(1, PLAIN):
         same = sorted((f for f in found if f[0] == kind), key=lambda f: f[1])
         totals = np.array([f[2] for f in same], dtype=np.int64).reshape(len(same), len(asked))
         for i, one in enumerate(same):
@@ -197,49 +198,65 @@ def _choices(
 
 
 @cache
-def _across(cross_aisles: int) -> Numbers:
+def _across(cross_aisles: int, ends: Ends) -> Numbers:
     """Return the steps to the next column: state before, state after, walks of each segment."""
-    table = transitions(cross_aisles)
-    steps = {(s, s): [0] * cross_aisles for s in range(table.count)}
-    for cross, single in enumerate(table.across):
+    flat = flatten(cross_aisles, ends)
+    steps = {(s, s): [0] * cross_aisles for s in range(flat.count)}
+    for cross in range(cross_aisles):
+        group = cross_aisles - 1 + cross
         out: dict[int, list[tuple[int, int]]] = {}
-        for before, after, walks in single.tolist():
+        for before, after, walks in flat.steps[
+            flat.starts[group] : flat.starts[group + 1]
+        ].tolist():
             out.setdefault(before, []).append((after, walks))
         steps = {
             (first, after): [*done[:cross], walks, *done[cross + 1 :]]
             for (first, middle), done in steps.items()
             for after, walks in out.get(middle, ())
         }
-    return np.array([[*ends, *walks] for ends, walks in steps.items()], dtype=np.int64)
+    return np.array([[*pair, *walks] for pair, walks in steps.items()], dtype=np.int64)
 
 
-def _network(grid: Grid, filled: set[int], choices: Choices, asked: Numbers) -> Network:
-    """Return the arcs between states, column by column, that lie on a path."""
-    table = transitions(grid.cross_aisles)
+def _layers(grid: Grid, filled: set[int]) -> list[tuple[Numbers, Floats, Numbers]]:
+    """Return states before and after, costs and groups of all steps, layer by layer."""
+    flat = flatten(grid.cross_aisles, grid.ends)
     blocks = grid.cross_aisles - 1
-    across = _across(grid.cross_aisles)
+    across = _across(grid.cross_aisles, grid.ends)
     layers: list[tuple[Numbers, Floats, Numbers]] = []
+
+    def steps_of(group: int) -> Numbers:
+        return flat.steps[flat.starts[group] : flat.starts[group + 1]]
+
     for column in range(len(grid.along)):
-        if column == grid.depot[0]:
-            steps = table.visit[grid.depot[1]].astype(np.int64)
-            layers.append((steps[:, :2], np.zeros(len(steps)), np.full(len(steps), -1)))
+        for door in grid.doors:
+            if door.column == column:
+                steps = steps_of(2 * blocks + 1 + door.cross)
+                prices = steps[:, 2] * np.float64(door.length)
+                layers.append((steps[:, :2], prices, np.full(len(steps), -1)))
         for block in range(blocks):
             part = column * blocks + block
-            steps = table.along[block].astype(np.int64)
+            steps = steps_of(block)
             kinds = steps[:, 2]
             length = grid.along[column, block]
             if part in filled:
-                group = np.where(kinds > 0, len(VERTICAL) * part + kinds, -1)
+                group = np.where(kinds > 0, PLAIN * part + kinds, -1)
                 prices = np.where(np.isfinite(length) | (kinds == 0), 0.0, np.inf)
             else:
                 group = np.full(len(steps), -1)
-                prices = np.array([0.0, length, np.inf, np.inf, np.inf, 2 * length])[kinds]
+                prices = np.array([0.0, length, 2 * length, np.inf, np.inf, np.inf])[kinds]
             layers.append((steps[:, :2], prices, group))
         last = column == len(grid.along) - 1
         lengths = np.full(blocks + 1, np.inf) if last else grid.across[column]
         with np.errstate(invalid="ignore"):
             each = np.where(across[:, 2:] > 0, across[:, 2:] * lengths, 0.0)
         layers.append((across[:, :2], each.sum(axis=1), np.full(len(across), -1)))
+    return layers
+
+
+def _network(grid: Grid, filled: set[int], choices: Choices, asked: Numbers) -> Network:
+    """Return the arcs between states, column by column, that lie on a path."""
+    table = flatten(grid.cross_aisles, grid.ends)
+    layers = _layers(grid, filled)
     offered = set(choices.groups.tolist())
     reached = np.zeros(table.count, dtype=bool)
     reached[table.begin] = True
@@ -273,17 +290,19 @@ def _network(grid: Grid, filled: set[int], choices: Choices, asked: Numbers) -> 
         groups=np.concatenate(groups[::-1])[order],
         choices=choices,
         demand=asked,
-        lead=2 * grid.lead,
     )
 
 
 def step_of(warehouse: AisleWarehouse) -> float:
     """Return a length of which every tour is a multiple.
 
-    A closed walk crosses every line an even number of times.
+    A closed walk crosses every line an even number of times, and takes a single way to the depot
+    twice.
     """
-    lengths = [warehouse.aisle_pitch, warehouse.slot_pitch, warehouse.depot_distance]
+    lengths = [warehouse.aisle_pitch, warehouse.slot_pitch]
+    lengths += [length for _, length in warehouse.doors]
     lengths += [gap for pair in warehouse.gaps for gap in pair]
     parts = [Fraction(str(length)) for length in lengths if length > 0.0]
     below = lcm(*(part.denominator for part in parts))
-    return 2.0 * gcd(*(int(part * below) for part in parts)) / below
+    times = 2.0 if len(warehouse.doors) == 1 else 1.0
+    return times * gcd(*(int(part * below) for part in parts)) / below

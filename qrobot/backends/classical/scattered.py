@@ -50,7 +50,6 @@ def can_choose(instance: Instance) -> bool:
         bool(instance.demand)
         and isinstance(warehouse, AisleWarehouse)
         and warehouse.blocks < MAX_CROSS_AISLES
-        and not warehouse.depot_ways
         and is_installed("ortools")
     )
 
@@ -168,7 +167,7 @@ def _solve(network: Network, stop: Stop) -> tuple[float, set[int] | None] | None
         if variable.solution_value() > 0.5
         for offer in offers
     }
-    return float(objective.Value()) + network.lead, passed
+    return float(objective.Value()), passed
 
 
 def _placed(instance: Instance, taken: dict[str, list[tuple[Place, int]]]) -> Instance:
