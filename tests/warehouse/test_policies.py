@@ -203,6 +203,17 @@ def test_a_warehouse_turned_upside_down_changes_no_length(blocks: int) -> None:
             )
 
 
+def test_another_pick_never_shortens_a_way_through_one_block() -> None:
+    """What searches for batches rely on; with two blocks S-shape, largest gap and combined may."""
+    rng = np.random.default_rng(3)
+    for _ in range(300):
+        warehouse, picks = random_case(rng, 1)
+        fewer = [slot for slot in picks if rng.random() < 0.6]
+        for policy in POLICIES:
+            less = route(warehouse, fewer, policy).length
+            assert less <= route(warehouse, picks, policy).length + 1e-9, (policy, picks, fewer)
+
+
 @pytest.mark.parametrize(
     ("warehouse", "policy", "sentence"),
     [
