@@ -68,9 +68,11 @@ class AutoPlanner(Strategy):
         if not run.finished and takes(run.instance) and not compiled_soon(run.stop):
             run.record.notes.append(NOT_COMPILED)
         if not run.finished and exact.fits(run.instance, run.stop) and proves:
-            # A first plan tells the set partition which trips cannot be part of a better one.
-            run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
-            share = BATCHES_SHARE if takes(run.instance) else PROOF_SHARE
+            share = BATCHES_SHARE
+            if not takes(run.instance):  # there the proof makes a plan itself
+                # A first plan tells the set partition which trips cannot be part of a better one.
+                run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
+                share = PROOF_SHARE
             run.plan(exact, _proving(run.stop, share))
         if not (run.finished or run.best.by_distance or run.best.aim(search)):
             run.record.notes.append(

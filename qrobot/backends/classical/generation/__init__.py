@@ -12,8 +12,12 @@ __all__ = ["MOST_ORDERS", "can_generate", "generate"]
 MOST_ORDERS = 150
 """More orders have too many batches for a bound to be of use."""
 
-FIRST_SHARE, FIRST_SECONDS, FIRST_WORK = 0.1, 1.0, 300
-"""Of the time, at most, and of the work, for a plan to begin with."""
+FIRST_SHARE, FIRST_SECONDS = 0.1, 1.0
+"""Of the time, at most, for a plan to begin with."""
+
+EASY_BATCHES, EASY_WORK, FIRST_WORK = 30_000, 0.5, 300
+"""Where so few batches fit, they are proven in no time: the first search gets so much work for each
+order; otherwise so much in all."""
 
 
 def can_generate(instance: Instance) -> bool:
@@ -31,17 +35,22 @@ def generate(
     """Search for the best batches, and prove them; see `Planner.search`."""
     # These import numba, which takes a second.
     from qrobot.backends.classical.batching.aisles import search_aisles
+    from qrobot.backends.classical.generation.batches import count_batches
     from qrobot.backends.classical.generation.search import Generation
     from qrobot.backends.classical.orders import Trips, orders_of, tie_of
     from qrobot.problem import AisleWarehouse
 
     assert isinstance(instance.warehouse, AisleWarehouse)
-    if start is None:
-        left = stop.remaining
-        seconds = min(FIRST_SHARE * left, FIRST_SECONDS) if left < float("inf") else None
-        quick = stop.within(seconds, max_work=FIRST_WORK)
-        start = search_aisles(instance, quick, seed, None, on_best).routes
     orders, trips = orders_of(instance), Trips(instance)
+    if start is None:
+        left, work = stop.remaining, FIRST_WORK
+        if count_batches(orders.weights, int(orders.capacities[0])) <= EASY_BATCHES:
+            work = 1 + int(EASY_WORK * len(orders.weights))
+        if stop.max_work is not None:
+            work = min(work, max(1, stop.max_work // 5))
+        seconds = min(FIRST_SHARE * left, FIRST_SECONDS) if left < float("inf") else None
+        quick = stop.within(seconds, max_work=work)
+        start = search_aisles(instance, quick, seed, None, on_best).routes
     tie = tie_of(instance.warehouse, orders)
     programme = Generation(orders, tie)
     upper = float("inf")
