@@ -130,7 +130,7 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         not stated.
     """
     problems = list(_stock(plan, instance))
-    instance = as_picked(instance, plan.picks)
+    instance = as_picked(instance, plan.picks, with_stock=False)
     problems += [*_items(plan, instance), *_orders(plan, instance), *_robots(plan, instance)]
     robots = {robot.id: robot for robot in instance.robots}
     items = {item.id: item for item in instance.items}

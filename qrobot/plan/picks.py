@@ -89,13 +89,24 @@ def picks_of(instance: Instance) -> tuple[Pick, ...]:
     )
 
 
-def as_picked(instance: Instance, picks: tuple[Pick, ...]) -> Instance:
-    """Return the instance with the items that a plan's picks make of the stock.
+def as_picked(instance: Instance, picks: tuple[Pick, ...], *, with_stock: bool = True) -> Instance:
+    """Return the instance with the items that a plan's picks make of the stock, if it has one.
 
-    Nothing is checked, and the instance has no stock any more: weights and times are shares of
-    what the order asks of the article.
+    Weights and times are shares of what the order asks of the article.
+
+    Parameters
+    ----------
+    instance, picks
+        The question, and what the plan takes.
+    with_stock
+        Whether the stock stays; it must then have enough in every place.
+
+    Raises
+    ------
+    InputError
+        When an item cannot be as a pick says.
     """
-    if not picks:
+    if not picks or not instance.stock:
         return instance
     stock = {one.article for one in instance.stock}
     items = {item.id: item for item in instance.items}
@@ -119,4 +130,5 @@ def as_picked(instance: Instance, picks: tuple[Pick, ...]) -> Instance:
             seconds = float(share) * sum(item.pick_seconds for item in group)
             made.append(Item(pick.id, weight, pick.place, seconds, pick.quantity, pick.article))
         orders.append(Order(order.id, [item.id for item in made[first:]]))
-    return dataclasses.replace(instance, items=tuple(made), orders=tuple(orders), stock=())
+    left = instance.stock if with_stock else ()
+    return dataclasses.replace(instance, items=tuple(made), orders=tuple(orders), stock=left)

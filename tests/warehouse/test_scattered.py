@@ -15,6 +15,7 @@ import qrobot
 from qrobot.backends import Stop
 from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot, Stock
+from qrobot.report import pick_lists
 from qrobot.study.variants import variant_of
 from qrobot.warehouse import Router
 
@@ -124,6 +125,11 @@ def test_a_plan_says_what_it_takes_from_where_and_is_checked(backend: str, tmp_p
     report = qrobot.check(tmp_path / "plan.json", one)
     assert report.ok, str(report)
     assert not any("others are not tried" in note for note in result.notes)
+    lists = pick_lists(qrobot.plan.read_plan(tmp_path / "plan.json"), one)
+    assert [pick.item for pick in lists.lists[0].picks] == [
+        {item.id: item for item in result.instance.items}[stop]
+        for stop in result.plan.trips[0].stops
+    ]
 
 
 def test_the_checker_counts_the_stock_itself() -> None:
