@@ -12,6 +12,7 @@ import time
 
 from qrobot.backends import Stop
 from qrobot.backends.classical.exact import ExactPlanner
+from qrobot.backends.classical.generation import bound_of_batches
 from qrobot.plan import Plan, check
 from qrobot.planning.bounds import forest_bound, load_steps, quick_bound, walk_bound
 from qrobot.planning.run import Run
@@ -90,6 +91,8 @@ def bound_from_below(run: Run) -> None:
         stop = share_of(run.stop, 1.0, BOUND_SECONDS)
         if run.check_seconds:
             stop = stop.within(max(stop.remaining - run.check_seconds, 0.0))
+        if ExactPlanner.name not in run.record.steps:
+            run.best.raise_bound(bound_of_batches(run.instance, run.best.routes, stop))
         part = _Paced(stop)
         run.best.raise_bound(forest_bound(run.instance, run.best.length, part, FOREST_ROUNDS))
         run.best.raise_bound(walk_bound(run.instance, run.best.length, part, WALK_ROUNDS))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 from qrobot._extras import is_installed
 from qrobot.backends.base import OnBest, Routes, Search, Stop
-from qrobot.backends.classical.aisles import takes
+from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.problem import Instance
 
-__all__ = ["MOST_ORDERS", "can_generate", "generate"]
+__all__ = ["MOST_ORDERS", "bound_of_batches", "can_generate", "generate"]
 
 MOST_ORDERS = 150
 """More orders have too many batches for a bound to be of use."""
@@ -72,3 +74,14 @@ def generate(
     if proof.complete and routes is not None:
         bound = instance.length(routes)
     return Search(routes=routes, bound=bound, optimal=proof.complete, work=proof.work)
+
+
+def bound_of_batches(instance: Instance, routes: Routes, stop: Stop) -> float:
+    """Return a lower bound of the distance of every plan, given a plan to compare with.
+
+    0 where column generation does not take the instance, or numba is not loaded yet: that and
+    compiling take longer than what is kept for a bound at the end of a run.
+    """
+    if "numba" not in sys.modules or not (can_generate(instance) and compiled_soon(stop)):
+        return 0.0
+    return generate(instance, stop, start=routes).bound
