@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 from qrobot._extras import is_installed
 from qrobot.backends import Capabilities, Planner, Stop, available
-from qrobot.backends.classical.aisles import NOT_COMPILED, compiled_soon, takes
+from qrobot.backends.classical.aisles import LOADING, NOT_COMPILED, compiled_soon, takes
 from qrobot.backends.classical.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
 from qrobot.backends.registry import get_planner
@@ -65,7 +65,8 @@ class AutoPlanner(Strategy):
             run.plan(exact, run.stop)
         search = choose_search(run.instance)
         proves = few or (run.best.by_distance and _has_cp_sat())
-        if not run.finished and takes(run.instance) and not compiled_soon(run.stop):
+        late = run.stop.remaining < LOADING
+        if not (run.finished or late or compiled_soon(run.stop)) and takes(run.instance):
             run.record.notes.append(NOT_COMPILED)
         if not run.finished and exact.fits(run.instance, run.stop) and proves:
             share = BATCHES_SHARE

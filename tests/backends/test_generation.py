@@ -200,7 +200,7 @@ def test_without_compiled_kernels_a_short_run_plans_all_the_same(
     assert takes(instance)
     assert not compiled_soon(Stop(5))
     assert compiled_soon(Stop())
-    result = solve(instance, deadline=1.0)
+    result = solve(instance, deadline=2.0)
     assert any("qrobot compile" in note for note in result.notes)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 from qrobot import _jit
@@ -10,10 +11,13 @@ from qrobot.backends.base import Stop
 from qrobot.problem import AisleWarehouse, Instance
 from qrobot.warehouse import MAX_CROSS_AISLES
 
-__all__ = ["NOT_COMPILED", "compiled_soon", "takes"]
+__all__ = ["LOADING", "NOT_COMPILED", "compiled_soon", "takes"]
 
 COMPILING = 120.0
 """Seconds that compiling may take on a small robot: with less time, only cached kernels run."""
+
+LOADING = 1.5
+"""Seconds that loading numba and the kernels may take: with less time, another search runs."""
 
 NOT_COMPILED = (
     "the search with exact tours is not compiled yet, so a slower one ran: "
@@ -40,6 +44,8 @@ def compiled_soon(stop: Stop) -> bool:
     They may where the time allows it, unless the environment says ``QROBOT_COMPILE=0``: in
     containers, whose caches end with them.
     """
+    if stop.remaining < LOADING and "numba" not in sys.modules:
+        return False
     if stop.remaining >= COMPILING and os.environ.get("QROBOT_COMPILE") != "0":
         return True
     here = Path(__file__).parent

@@ -131,8 +131,9 @@ def _near(layout: Layout, masks: Hashes, alone: Floats) -> Ints:
 def tie_of(warehouse: AisleWarehouse, orders: Orders) -> float:
     """Return what a trip more may cost so that it decides between plans of one length only.
 
-    Lengths of tours are sums of the layout's lengths, so they differ by their greatest common
-    measure at least.
+    Lengths of tours are sums of the layout's lengths, so they differ by a measure of these: by
+    twice their greatest common one where a tour returns to the crossing that it came from, since
+    it then crosses every line an even number of times. All trips together cost half of that.
     """
     lengths = (
         warehouse.aisle_pitch,
@@ -142,9 +143,10 @@ def tie_of(warehouse: AisleWarehouse, orders: Orders) -> float:
     )
     parts = [Fraction(str(length)) for length in lengths if length > 0.0]
     below = lcm(*(part.denominator for part in parts))
-    unit = Fraction(gcd(*(int(part * below) for part in parts)), below)
+    measure = Fraction(gcd(*(int(part * below) for part in parts)), below)
+    half = float(measure) if len(warehouse.doors) == 1 else float(measure) / 2.0
     usual = float(orders.alone.mean()) if len(orders.alone) else 1.0
-    return max(float(unit) / 2.0, 1e-6 * usual) / (len(orders.weights) + 1)
+    return max(half, 1e-6 * usual) / (len(orders.weights) + 1)
 
 
 class Trips:

@@ -44,15 +44,32 @@ CYCLES = 3
 PARTITION_SHARE = 0.15
 """Of a cycle, for the set partition."""
 
+PARTITION_WORK = 60
+"""Linear programmes for it where work is limited."""
+
+LATE_WORK = 40
+"""Work of a search that begins when time is up and has no plan: hundredths of a second."""
+
 SPARE_TRIPS = 3
 """Trips more than a first packing needs."""
 
 
 def search_aisles(
-    instance: Instance, stop: Stop, seed: int, start: Routes | None, on_best: OnBest | None
+    instance: Instance,
+    stop: Stop,
+    seed: int,
+    start: Routes | None = None,
+    on_best: OnBest | None = None,
+    *,
+    partition: bool = True,
 ) -> Search:
-    """Search for batches until `stop`; see `Planner.search`."""
-    return _Search(instance, seed, start, on_best).run(stop)
+    """Search for batches until `stop`; see `Planner.search`.
+
+    `partition` says whether a set partition puts the best batches together after each cycle.
+    """
+    search = _Search(instance, seed, start, on_best)
+    search.partition = partition and is_installed("ortools")
+    return search.run(stop)
 
 
 class _Search:
@@ -81,16 +98,20 @@ class _Search:
                     first[list(batch)] = trip
         self.state: State = new_state(orders, self.tie, seed, POOL)
         place(orders, self.state, first)
+        self.partition = True
         self.told = math.inf
         self.work = 0
         used = max(1, int((self.state.size > 0).sum()))
         self.scale = float(self.state.length.sum()) / used
         self.usual_price = self.scale / max(1, int(orders.capacities[0]))
         self.state.figures[0] = self.usual_price
+        anneal(orders, self.state, 0, 1.0, 0.0)  # notes the first plan, if it has no overload
 
     def run(self, stop: Stop) -> Search:
         """Anneal in cycles until `stop`."""
         cycle, length = 0, CYCLE
+        if self.state.best[0] < 0 and stop(self.work):
+            self._anneal(Stop(max_work=LATE_WORK), hot=WARM)
         while not stop(self.work):
             part = self._cycle(stop, cycle, length)
             self._anneal(part, hot=WARM if cycle == 0 else WARM / 2)
@@ -132,15 +153,16 @@ class _Search:
 
     def _partition(self, stop: Stop, part: Stop) -> None:
         """Put the best of the kept batches together anew."""
-        if not (is_installed("ortools") and self.state.pool_size[0] and math.isfinite(self.told)):
+        if not (self.partition and self.state.pool_size[0] and math.isfinite(self.told)):
             return
         from qrobot.backends.classical.generation.search import Generation
 
-        seconds = PARTITION_SHARE * max(part.elapsed, 0.2)
+        limit = stop.within(PARTITION_SHARE * max(part.elapsed, 0.2))
+        if stop.max_work is not None:  # a clock would make the plan depend on the machine
+            limit = stop.within(max_work=PARTITION_WORK)
         rows = int(self.state.pool_size[0])
-        programme = Generation(self.orders, self.tie)
-        found = programme.improve(
-            self.state.pool[:rows], self.state.figures[1], stop.within(seconds)
+        found = Generation(self.orders, self.tie).improve(
+            self.state.pool[:rows], self._best(), limit
         )
         if found is not None:
             self._take(found)

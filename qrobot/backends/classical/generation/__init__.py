@@ -17,6 +17,9 @@ MOST_ORDERS = 150
 FIRST_SHARE, FIRST_SECONDS = 0.1, 1.0
 """Of the time, at most, for a plan to begin with."""
 
+SEEK_WORK = 400
+"""Work of each search for a better plan between the parts of a proof."""
+
 EASY_BATCHES, EASY_WORK, FIRST_WORK = 30_000, 0.5, 300
 """Where so few batches fit, they are proven in no time: the first search gets so much work for each
 order; otherwise so much in all."""
@@ -39,7 +42,7 @@ def generate(
     from qrobot.backends.classical.batching.aisles import search_aisles
     from qrobot.backends.classical.generation.batches import count_batches
     from qrobot.backends.classical.generation.search import Generation
-    from qrobot.backends.classical.orders import Trips, orders_of, tie_of
+    from qrobot.backends.classical.orders import Batch, Trips, orders_of, tie_of
     from qrobot.problem import AisleWarehouse
 
     assert isinstance(instance.warehouse, AisleWarehouse)
@@ -55,12 +58,15 @@ def generate(
         start = search_aisles(instance, quick, seed, None, on_best).routes
     tie = tie_of(instance.warehouse, orders)
     programme = Generation(orders, tie)
-    upper = float("inf")
-    if start:
-        known = trips.batches(start)
-        programme.add(known)
-        upper = float((programme.pool_of(known).lengths + tie).sum())
-    proof = programme.prove(upper, stop)
+
+    def seek(until: Stop) -> list[Batch]:
+        nonlocal seed
+        seed += 1
+        short = until.within(max_work=SEEK_WORK)
+        found = search_aisles(instance, short, seed, partition=False)
+        return trips.batches(found.routes or [])
+
+    proof = programme.prove(trips.batches(start or []), stop, seek)
     routes = start
     if proof.plan is not None:
         routes = trips.routes(proof.plan)

@@ -92,8 +92,8 @@ class Prices(NamedTuple):
     first_cut: Ints
 
 
-def count_batches(weights: Ints, capacity: int) -> float:
-    """Return how many sets of orders fit on one robot: without regard to tours."""
+def count_batches(weights: Ints, capacity: int, lightest: int = 0) -> float:
+    """Return how many sets of orders fit on one robot and weigh at least `lightest`."""
     scale = max(1, -(-capacity // BUCKETS))
     room = capacity // scale
     counts = np.zeros(room + 1)
@@ -101,7 +101,7 @@ def count_batches(weights: Ints, capacity: int) -> float:
     for weight in (weights // scale).tolist():
         if weight <= room:
             counts[weight:] += counts[: room + 1 - weight].copy()
-    return float(counts.sum()) - 1.0
+    return float(counts[lightest // scale :].sum()) - (lightest < scale)
 
 
 def room_table(weights: Ints, prices: Floats, capacity: int) -> tuple[Floats, int]:
@@ -210,6 +210,7 @@ def _list_batches(
     table: Floats,
     scale: int,
     below: float,
+    lightest: int,
     walk: Walk,
     tours: int,
     members: Members,
@@ -228,6 +229,8 @@ def _list_batches(
         From `room_table`.
     below
         The limit, metres.
+    lightest
+        Batches of less load are left out.
     walk
         Where the search stands; changed.
     tours
@@ -265,7 +268,7 @@ def _list_batches(
         tours -= 1
         reduced = tour - gain - trip
         chosen[depth] = order
-        if reduced < below:
+        if reduced < below and heavy >= lightest:
             least = min(least, reduced)
             for k in range(width):
                 members[found, k] = chosen[k] if k <= depth else -1
@@ -305,6 +308,7 @@ def find_batches(
     orders: Orders,
     prices: Prices,
     below: float,
+    lightest: int,
     room: Pool,
     stop: Work,
     expected: float = 0.0,
@@ -317,6 +321,8 @@ def find_batches(
         The question, and what batches are paid.
     below
         The limit, metres.
+    lightest
+        Batches of less load are left out.
     room
         Where batches are written; the search ends when it is full.
     stop
@@ -333,7 +339,7 @@ def find_batches(
     walk = new_walk(orders, prices, room.members.shape[1])
     began = time.perf_counter()
     while walk.at[0] >= 0 and walk.at[1] < len(room.lengths) and not stop():
-        list_batches(orders, prices, table, scale, below, walk, TOURS, *room)
+        list_batches(orders, prices, table, scale, below, lightest, walk, TOURS, *room)
         stop.done += 1
         found = int(walk.at[1])
         if expected and found >= TOURS // 2:

@@ -49,6 +49,9 @@ class Master:
     ) -> None:
         tool = load("ortools.linear_solver.pywraplp", "backend exact")
         self._solver = tool.Solver.CreateSolver("CLP")
+        # Without presolve each programme goes on from the basis of the one before.
+        self._parameters = tool.MPSolverParameters()
+        self._parameters.SetIntegerParam(self._parameters.PRESOLVE, self._parameters.PRESOLVE_OFF)
         self._objective = self._solver.Objective()
         self._rows = [self._solver.Constraint(1.0, 1.0) for _ in range(orders)]
         self._fleet = [(load, self._solver.Constraint(0.0, float(most))) for load, most in fleet]
@@ -110,12 +113,16 @@ class Master:
             self.cuts.append(cut)
             self._cut_rows.append(row)
 
-    def restrict(self, trips: tuple[int, int], together: Pairs, apart: Pairs) -> None:
-        """Allow only plans of so many trips, with these pairs together or apart."""
+    def restrict(
+        self, trips: tuple[int, int], lightest: int, together: Pairs, apart: Pairs
+    ) -> None:
+        """Allow only plans of so many trips of so much load, with pairs together or apart."""
         self._trips.SetBounds(float(trips[0]), float(trips[1]))
         shut = set()
         for at, batch in enumerate(self._of):
-            split = any((i in batch) != (j in batch) for i, j in together)
+            split = self._loads[at] < lightest or any(
+                (i in batch) != (j in batch) for i, j in together
+            )
             if split or any(i in batch and j in batch for i, j in apart):
                 shut.add(at)
         for at in shut - self._shut:
@@ -129,7 +136,7 @@ class Master:
 
         The bound is what the duals say, so that it is valid whatever the solver says.
         """
-        self._solver.Solve()
+        self._solver.Solve(self._parameters)
         orders, fleet, cuts = self.prices
         low, high = self._trips.lb(), self._trips.ub()
         return float(

@@ -14,23 +14,24 @@ from __future__ import annotations
 
 import heapq
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from qrobot._arrays import Floats, Ints
 from qrobot.backends.base import Stop
 from qrobot.backends.classical.generation import batches
 from qrobot.backends.classical.generation.batches import Pool, Prices, Work
 from qrobot.backends.classical.generation.cuts import violated_cuts
-from qrobot.backends.classical.generation.master import Master, Pairs
+from qrobot.backends.classical.generation.master import Master
+from qrobot.backends.classical.generation.parts import Part, Proof, gain
 from qrobot.backends.classical.orders import Batch, Orders, lengths_of
 
-__all__ = ["Generation", "Proof"]
+__all__ = ["Generation"]
 
-Rows = npt.NDArray[np.intp]
+Seek = Callable[[Stop], list[Batch]]
 
 MOST_BATCHES = 4_000_000
 """Batches that are listed: 100 to 200 MB."""
@@ -49,55 +50,6 @@ TOLERANCE = 1e-7
 
 MOST_COLUMNS = 12_000
 """Batches in the linear programme; beyond that it is made anew from those that matter."""
-
-
-@dataclass(slots=True)
-class Proof:
-    """What is known.
-
-    Parameters
-    ----------
-    bound
-        Every plan costs at least this: metres, with the price of trips.
-    plan
-        The orders of each batch of a plan that costs less than the one given; None without.
-    complete
-        Whether the plan found, or the one given, is proven to be best.
-    programmes, work
-        Linear programmes solved, and units of work done.
-    """
-
-    bound: float = 0.0
-    plan: list[Batch] | None = None
-    complete: bool = False
-    programmes: int = 0
-    work: int = 0
-
-
-@dataclass(slots=True)
-class Part:
-    """A part of the question.
-
-    Parameters
-    ----------
-    bound
-        No plan of this part costs less.
-    trips
-        Least and most trips.
-    together, apart
-        Pairs of orders that share a trip, and that do not.
-    rows
-        Batches of the pool that plans of this part may hold; None: not listed.
-    estimate
-        What the linear programme costs before all batches were priced: no bound.
-    """
-
-    bound: float
-    trips: tuple[int, int]
-    together: Pairs = ()
-    apart: Pairs = ()
-    rows: Rows | None = None
-    estimate: float = 0.0
 
 
 class Generation:
@@ -127,9 +79,8 @@ class Generation:
         self.narrow = np.int8 if self.count <= 127 else np.int16
         self.scale = float(orders.alone.mean())
         self.random = np.random.default_rng(0)
-        self.pool: Pool | None = None
         self.proof = Proof()
-        self.upper = math.inf
+        self.upper, self.best_trips = math.inf, self.count
         self.master = self._new_master()
         self._add(self.pool_of([(order,) for order in range(self.count)]))
 
@@ -143,70 +94,89 @@ class Generation:
         lengths = lengths_of(self.orders.layout, np.array(words))
         return Pool(members, lengths, np.array(loads, dtype=np.int64))
 
-    def add(self, plan: list[Batch]) -> None:
-        """Let batches that are known to be good take part from the start."""
-        self._add(self.pool_of(plan))
-
-    def prove(self, upper: float, until: Stop) -> Proof:
+    def prove(
+        self,
+        known: list[Batch] | None,
+        until: Stop,
+        seek: Seek | None = None,
+        given: Pool | None = None,
+    ) -> Proof:
         """Prove that no plan costs less than a known one, find a better one, or a bound.
 
         Parameters
         ----------
-        upper
-            Cost of a known plan, with the price of trips; ``inf`` without one.
+        known
+            A plan to compare with.
         until
             Deadline, interrupts and limit of work: linear programmes, and lists of batches.
+        seek
+            Asked for another plan now and then: a better one makes every part smaller.
+        given
+            The batches to choose from; by default all.
         """
         stop = Work(until)
         proof = self.proof = Proof()
         # No plan costs more than a trip for each order.
-        self.upper = min(upper, 2.0 * self.scale * self.count)
+        self.upper, self.best_trips = 2.0 * self.scale * self.count, self.count
+        self._offer(known)
+        proof.plan = None
         if self.trips[0] > self.trips[1]:  # more trips are needed than there are
             proof.complete = True
             return proof
-        self._list_all(stop)
-        rows = None if self.pool is None else np.arange(len(self.pool.lengths))
-        parts = [(0.0, 0, Part(0.0, self.trips, rows=rows))]
-        made = 0
+        parts = [(0.0, k, part) for k, part in enumerate(self._first_parts(given))]
+        made, next_seek = 0, 1
         while parts and not stop():
             proof.bound = max(proof.bound, min(parts[0][0], self.upper))
             if parts[0][0] > self.limit:
                 parts = []
                 break
             _, _, part = heapq.heappop(parts)
-            smaller = self._split(part, stop, cutting=not made)
+            smaller = self._split(part, stop)
             if smaller is None:  # no time, or nothing to split
                 heapq.heappush(parts, (part.bound, -1, part))
                 break
             for piece in smaller:
                 made += 1
                 heapq.heappush(parts, (piece.bound, made, piece))
+            if seek is not None and parts and made >= next_seek:
+                next_seek = 2 + 2 * made
+                self._offer(seek(stop))
         proof.complete, proof.work = not parts, stop.done
         left = min((bound for bound, _, _ in parts), default=self.upper)
         proof.bound = min(max(proof.bound, left), self.upper)
         return proof
 
-    def improve(self, members: Ints, upper: float, stop: Stop) -> list[Batch] | None:
+    def improve(self, members: Ints, known: list[Batch], stop: Stop) -> list[Batch] | None:
         """Return the best plan of given batches that costs less than a known one, None without.
 
         Parameters
         ----------
         members
             Shape (batches, width): their orders, -1 after the last.
-        upper
-            Cost of the known plan, with the price of trips.
+        known
+            A plan to compare with.
         stop
             Deadline and interrupts.
         """
         kept = members[(members >= 0).sum(axis=1) <= self.width]
-        self.pool = self.pool_of([tuple(sorted(o for o in row if o >= 0)) for row in kept.tolist()])
-        self.upper = upper
-        return self.prove(upper, stop).plan
+        given = self.pool_of([tuple(sorted(o for o in row if o >= 0)) for row in kept.tolist()])
+        return self.prove(known, stop, given=given).plan
 
     @property
     def limit(self) -> float:
-        """Better plans cost no more than this."""
-        return self.upper - 0.5 * self.tie
+        """Better plans cost no more than this: with as few trips as can be, they are shorter."""
+        fewest = self.best_trips == self.trips[0]
+        return self.upper - self.tie * (self.count + 1 if fewest else 0.5)
+
+    def _offer(self, plan: list[Batch] | None) -> None:
+        """Keep a plan if it is the best."""
+        if not plan:
+            return
+        pool = self.pool_of(plan)
+        self._add(pool)
+        cost = float((pool.lengths + self.tie).sum())
+        if cost <= self.limit:
+            self.upper, self.best_trips, self.proof.plan = cost, len(plan), plan
 
     def _new_master(self) -> Master:
         outside = 10.0 * self.scale * self.count
@@ -215,26 +185,55 @@ class Generation:
     def _add(self, pool: Pool) -> int:
         return self.master.add(pool.members, pool.lengths + self.tie, pool.loads)
 
-    def _list_all(self, stop: Work) -> None:
-        """List every batch where they are few enough and none are given."""
-        if self.pool is not None:
-            return
+    def _first_parts(self, given: Pool | None) -> list[Part]:
+        """Return the question by its number of trips.
+
+        With as few trips as can be, every trip is nearly full: that leaves few batches.
+        """
+        fewest, most = self.trips
+        ranges = [(fewest, fewest), (fewest + 1, most)] if fewest < most else [self.trips]
+        rows = None if given is None else np.arange(len(given.lengths))
+        return [self._piece(Part(0.0, self.trips, pool=given, rows=rows), trips=r) for r in ranges]
+
+    def _list_all(self, part: Part, stop: Work) -> None:
+        """List every batch of a part where they are few enough."""
         weights, most = self.orders.weights, int(self.orders.capacities[0])
-        expected = batches.count_batches(weights, most)
-        if expected <= MOST_BATCHES and not stop():
-            free = self._prices(np.zeros(self.count), np.zeros(len(self.fleet)), np.zeros(0))
-            pool, least = self._search(free, math.inf, int(expected) + 2, stop, expected)
-            self.pool = pool if least > -math.inf else None
+        expected = batches.count_batches(weights, most, self._lightest(part.trips[1]))
+        if expected > MOST_BATCHES or stop():
+            return
+        no_cuts = np.zeros(len(self.master.cuts))
+        free = self._prices(np.zeros(self.count), np.zeros(len(self.fleet)), no_cuts)
+        room = int(1.1 * expected) + 100  # coarse units of weight let a few more fit
+        pool, least = self._search(free, math.inf, part.trips[1], room, stop, expected)
+        if least > -math.inf:
+            part.pool, part.rows = pool, np.arange(len(pool.lengths))
+
+    def _lightest(self, most_trips: int) -> int:
+        """Return the least load of a trip: the others cannot hold more than they take."""
+        others = int(self.orders.capacities[: most_trips - 1].sum())
+        return max(0, int(self.orders.weights.sum()) - others)
+
+    def _restrict(self, part: Part) -> None:
+        lightest = self._lightest(part.trips[1])
+        self.master.restrict(part.trips, lightest, part.together, part.apart)
 
     def _search(
-        self, prices: Prices, below: float, most: int, stop: Work, expected: float = 0.0
+        self,
+        prices: Prices,
+        below: float,
+        trips: int,
+        most: int,
+        stop: Work,
+        expected: float = 0.0,
     ) -> tuple[Pool, float]:
         room = Pool(
             np.empty((most, self.width), dtype=self.narrow),
             np.empty(most),
             np.empty(most, dtype=np.int64),
         )
-        return batches.find_batches(self.orders, prices, below, room, stop, expected)
+        return batches.find_batches(
+            self.orders, prices, below, self._lightest(trips), room, stop, expected
+        )
 
     def _prices(self, of_orders: Floats, of_trips: Floats, of_cuts: Floats) -> Prices:
         of: list[list[tuple[int, int]]] = [[] for _ in range(self.count)]
@@ -254,18 +253,21 @@ class Generation:
             first_cut=np.cumsum([0, *map(len, of)]).astype(np.int64),
         )
 
-    def _split(self, part: Part, stop: Work, *, cutting: bool) -> list[Part] | None:
+    def _split(self, part: Part, stop: Work) -> list[Part] | None:
         """Solve a part; return what is left of it in parts, None without time."""
         if len(self.master) > MOST_COLUMNS:
             self._forget()
-        self.master.restrict(part.trips, part.together, part.apart)
+        self._restrict(part)
+        whole = not (part.together or part.apart)
+        if whole and part.pool is None:
+            self._list_all(part, stop)
         while True:
             if not self._converge(part, stop):
                 return [] if part.bound > self.limit else None
             self._note_plan()
             if part.bound > self.limit:
                 return []
-            if not (cutting and len(self.master.cuts) < MOST_CUTS and self._cut()):
+            if not (whole and len(self.master.cuts) < MOST_CUTS and self._cut()):
                 break
         if part.rows is None:
             self._list_gap(part, stop)
@@ -276,8 +278,8 @@ class Generation:
     def _converge(self, part: Part, stop: Work) -> bool:
         """Solve the linear programme over all batches of a part; return whether it is solved."""
         pool = None
-        if part.rows is not None and self.pool is not None:
-            pool = self.pool.take(part.rows)
+        if part.rows is not None and part.pool is not None:
+            pool = part.pool.take(part.rows)
         while not stop():
             value = self.master.solve()
             self.proof.programmes += 1
@@ -286,7 +288,7 @@ class Generation:
             offset = self.tie - self.master.trip_price
             if pool is None:
                 found, least = self._search(
-                    prices, -offset - TOLERANCE * self.scale, SEARCHED, stop
+                    prices, -offset - TOLERANCE * self.scale, part.trips[1], SEARCHED, stop
                 )
                 reduced = batches.reduced_costs(found, prices) + offset
                 least = min(0.0, least + offset)
@@ -315,9 +317,7 @@ class Generation:
         used, shares = self.master.used()
         whole = bool((shares > 1.0 - 1e-6).all())
         if whole and sorted(o for batch in used for o in batch) == list(range(self.count)):
-            cost = float((self.pool_of(used).lengths + self.tie).sum())
-            if cost <= self.limit:
-                self.upper, self.proof.plan = cost, used
+            self._offer(used)
 
     def _list_gap(self, part: Part, stop: Work) -> None:
         """List the batches that a better plan may hold, where they are few enough."""
@@ -325,9 +325,9 @@ class Generation:
             return
         prices = self._prices(*self.master.prices)
         below = self.limit - part.bound - self.tie + self.master.trip_price
-        pool, least = self._search(prices, below, MOST_BATCHES, stop)
+        pool, least = self._search(prices, below, part.trips[1], MOST_BATCHES, stop)
         if least > -math.inf:
-            self.pool, part.rows = pool, np.arange(len(pool.lengths))
+            part.pool, part.rows = pool, np.arange(len(pool.lengths))
 
     def _cut(self) -> bool:
         """Add the most violated cuts; return whether there were any."""
@@ -358,7 +358,7 @@ class Generation:
         if not fraction:
             return []  # the plan was noted: its cost is the bound of this part
         likely = sorted(fraction, key=lambda pair: -fraction[pair])[:CANDIDATES]
-        return max((self._pieces(part, pair) for pair in likely), key=_gain)
+        return max((self._pieces(part, pair) for pair in likely), key=gain)
 
     def _pieces(self, part: Part, pair: tuple[int, int]) -> list[Part]:
         """Return the parts with two orders together and apart, with an estimate of each."""
@@ -367,7 +367,7 @@ class Generation:
             self._piece(part, apart=(*part.apart, pair)),
         ]
         for piece in pieces:
-            self.master.restrict(piece.trips, piece.together, piece.apart)
+            self._restrict(piece)
             piece.estimate = self.master.solve()
             self.proof.programmes += 1
         return pieces
@@ -375,10 +375,10 @@ class Generation:
     def _piece(self, part: Part, **limits: Any) -> Part:
         """Return a part of a part."""
         piece = replace(part, **limits, estimate=0.0)
-        assert self.pool is not None
-        assert part.rows is not None
-        members = self.pool.members[part.rows]
-        kept = np.ones(len(members), dtype=bool)
+        if part.pool is None or part.rows is None:
+            return piece
+        members = part.pool.members[part.rows]
+        kept = part.pool.loads[part.rows] >= self._lightest(piece.trips[1])
         for pairs, both in ((piece.together, True), (piece.apart, False)):
             for i, j in pairs[-1:]:  # the others were left out before
                 one, other = (members == i).any(axis=1), (members == j).any(axis=1)
@@ -393,8 +393,3 @@ class Generation:
         self.master.cut(old.cuts)
         members, costs, loads = old.cheapest(MOST_COLUMNS // 4, self.width)
         self.master.add(members, costs, loads)
-
-
-def _gain(pieces: list[Part]) -> float:
-    """Return how much a split raises both estimates, as their product."""
-    return math.prod(max(piece.estimate - piece.bound, 1e-3) for piece in pieces)
