@@ -32,8 +32,8 @@ __all__ = [
     "room_table",
 ]
 
-TOURS = 20_000
-"""Tours between two looks at the clock: a tenth of a second or less."""
+TOURS, TOUR_EFFORT = 20_000, 20
+"""Tours between two looks at the clock, a tenth of a second; how many other steps one is worth."""
 
 AT_ONCE = 4
 """Batches for each order that come into the linear programme together."""
@@ -212,7 +212,7 @@ def _list_batches(
     below: float,
     lightest: int,
     walk: Walk,
-    tours: int,
+    effort: int,
     members: Members,
     lengths: Floats,
     loads: Ints,
@@ -233,8 +233,8 @@ def _list_batches(
         Batches of less load are left out.
     walk
         Where the search stands; changed.
-    tours
-        How many tours are measured before it pauses.
+    effort
+        What is done before it pauses: a step counts once, a tour as often as `TOUR_EFFORT`.
     members, lengths, loads
         Room for batches.
     """
@@ -244,7 +244,8 @@ def _list_batches(
     chosen, following, within = walk.chosen, walk.following, walk.within
     depth, found = walk.at
     least = walk.least[0]
-    while depth >= 0 and tours > 0 and found < most:
+    while depth >= 0 and effort > 0 and found < most:
+        effort -= 1
         order = following[depth]
         if order >= count or depth == width:
             depth -= 1
@@ -265,7 +266,7 @@ def _list_batches(
             for w in range(words.shape[2]):
                 words[depth + 1, part, w] = words[depth, part, w] | orders.masks[order, part, w]
         tour = tour_length(words[depth + 1], orders.layout)
-        tours -= 1
+        effort -= TOUR_EFFORT
         reduced = tour - gain - trip
         chosen[depth] = order
         if reduced < below and heavy >= lightest:
@@ -339,7 +340,9 @@ def find_batches(
     walk = new_walk(orders, prices, room.members.shape[1])
     began = time.perf_counter()
     while walk.at[0] >= 0 and walk.at[1] < len(room.lengths) and not stop():
-        list_batches(orders, prices, table, scale, below, lightest, walk, TOURS, *room)
+        list_batches(
+            orders, prices, table, scale, below, lightest, walk, TOURS * TOUR_EFFORT, *room
+        )
         stop.done += 1
         found = int(walk.at[1])
         if expected and found >= TOURS // 2:

@@ -302,7 +302,7 @@ class Generation:
                 return True
             if pool is not None and part.rows is not None:
                 kept = bound + (reduced - least) <= self.limit + TOLERANCE * self.scale
-                if kept.mean() < 0.8:
+                if kept.sum() < 0.8 * len(kept):
                     part.rows, pool = part.rows[kept], pool.take(kept)
                     found, reduced = pool, reduced[kept]
             if least >= -TOLERANCE * self.scale:
@@ -338,12 +338,12 @@ class Generation:
         self.master.cut(found)
         return bool(found)
 
-    def _branch(self, part: Part) -> list[Part]:
-        """Return two parts that leave the present fractions out."""
+    def _branch(self, part: Part) -> list[Part] | None:
+        """Return two parts that leave the present fractions out; None when there are none."""
         used, shares = self.master.used()
         trips = float(shares.sum())
         low, high = part.trips
-        if abs(trips - round(trips)) > 1e-4:
+        if low < high and abs(trips - round(trips)) > 1e-4:
             below = math.floor(trips)
             return [
                 self._piece(part, trips=(low, below)),
@@ -356,7 +356,7 @@ class Generation:
                     share[i, j] = share.get((i, j), 0.0) + value
         fraction = {pair: min(v, 1.0 - v) for pair, v in share.items() if 1e-4 < v < 1 - 1e-4}
         if not fraction:
-            return []  # the plan was noted: its cost is the bound of this part
+            return None
         likely = sorted(fraction, key=lambda pair: -fraction[pair])[:CANDIDATES]
         return max((self._pieces(part, pair) for pair in likely), key=gain)
 
