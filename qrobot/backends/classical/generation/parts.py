@@ -54,6 +54,8 @@ class Part:
         Pairs of orders that share a trip, and that do not.
     pool, rows
         Listed batches, and which of them plans of this part may hold; None: not listed.
+    started
+        Whether its linear programme was solved once, without cuts.
     estimate
         What the linear programme costs before all batches were priced: no bound.
     """
@@ -64,6 +66,7 @@ class Part:
     apart: Pairs = ()
     pool: Pool | None = None
     rows: Rows | None = None
+    started: bool = False
     estimate: float = 0.0
 
 

@@ -259,8 +259,13 @@ class Generation:
             self._forget()
         self._restrict(part)
         whole = not (part.together or part.apart)
-        if whole and part.pool is None:
-            self._list_all(part, stop)
+        if whole and not part.started:  # every part gets a bound before one gets cuts
+            if part.pool is None:
+                self._list_all(part, stop)
+            part.started = self._converge(part, stop)
+            if not part.started:
+                return None
+            return [] if part.bound > self.limit else [part]
         while True:
             if not self._converge(part, stop):
                 return [] if part.bound > self.limit else None
