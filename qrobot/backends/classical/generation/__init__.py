@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import time
+from typing import TYPE_CHECKING
 
 from qrobot._extras import is_installed
 from qrobot.backends.base import OnBest, Routes, Search, Stop
 from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.problem import Instance
+
+if TYPE_CHECKING:
+    from qrobot.backends.classical.orders import Batch, Trips
 
 __all__ = ["MOST_ORDERS", "bound_of_batches", "can_generate", "generate"]
 
@@ -17,8 +23,9 @@ MOST_ORDERS = 150
 FIRST_SHARE, FIRST_SECONDS = 0.1, 1.0
 """Of the time, at most, for a plan to begin with."""
 
-SEEK_WORK = 400
-"""Work of each search for a better plan between the parts of a proof."""
+SEEK_SHARE, SEEK_SECONDS, SEEK_WORK = 0.4, 0.3, 400
+"""Of the time of a proof, for searches for better plans between its parts; the least time, or the
+work, of each."""
 
 EASY_BATCHES, EASY_WORK, FIRST_WORK = 30_000, 0.5, 300
 """Where so few batches fit, they are proven in no time: the first search gets so much work for each
@@ -42,7 +49,7 @@ def generate(
     from qrobot.backends.classical.batching.aisles import search_aisles
     from qrobot.backends.classical.generation.batches import count_batches
     from qrobot.backends.classical.generation.search import Generation
-    from qrobot.backends.classical.orders import Batch, Trips, orders_of, tie_of
+    from qrobot.backends.classical.orders import Trips, orders_of, tie_of
     from qrobot.problem import AisleWarehouse
 
     assert isinstance(instance.warehouse, AisleWarehouse)
@@ -59,14 +66,8 @@ def generate(
     tie = tie_of(instance.warehouse, orders)
     programme = Generation(orders, tie)
 
-    def seek(until: Stop) -> list[Batch]:
-        nonlocal seed
-        seed += 1
-        short = until.within(max_work=SEEK_WORK)
-        found = search_aisles(instance, short, seed, partition=False)
-        return trips.batches(found.routes or [])
-
-    proof = programme.prove(trips.batches(start or []), stop, seek)
+    seeker = _Seeker(instance, trips, seed)
+    proof = programme.prove(trips.batches(start or []), stop, seeker)
     routes = start
     if proof.plan is not None:
         routes = trips.routes(proof.plan)
@@ -80,6 +81,36 @@ def generate(
     if proof.complete and routes is not None:
         bound = instance.length(routes)
     return Search(routes=routes, bound=bound, optimal=proof.complete, work=proof.work)
+
+
+class _Seeker:
+    """Searches for better plans between the parts of a proof, each from another seed."""
+
+    def __init__(self, instance: Instance, trips: Trips, seed: int) -> None:
+        self._instance, self._trips, self._seed = instance, trips, seed
+        self._began, self._spent = time.perf_counter(), 0.0
+        self._asked, self._due = 0, 1
+
+    def __call__(self, stop: Stop) -> list[Batch]:
+        """Return the batches of another plan, or none when it is not time for one."""
+        from qrobot.backends.classical.batching.aisles import search_aisles
+
+        begun = time.perf_counter()
+        elapsed = begun - self._began
+        self._asked += 1
+        if stop.max_work is None and math.isfinite(stop.remaining):
+            if elapsed < SEEK_SECONDS or self._spent > SEEK_SHARE * elapsed:
+                return []
+            short = stop.within(max(SEEK_SECONDS, SEEK_SHARE / 2 * elapsed))
+        elif self._asked < self._due:
+            return []
+        else:
+            self._due = 2 * self._asked + 2
+            short = stop.within(max_work=SEEK_WORK)
+        self._seed += 1
+        found = search_aisles(self._instance, short, self._seed, partition=False)
+        self._spent += time.perf_counter() - begun
+        return self._trips.batches(found.routes or [])
 
 
 def bound_of_batches(instance: Instance, routes: Routes, stop: Stop) -> float:

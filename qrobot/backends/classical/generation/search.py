@@ -124,7 +124,7 @@ class Generation:
             proof.complete = True
             return proof
         parts = [(0.0, k, part) for k, part in enumerate(self._first_parts(given))]
-        made, next_seek = 0, 1
+        made = 0
         while parts and not stop():
             proof.bound = max(proof.bound, min(parts[0][0], self.upper))
             if parts[0][0] > self.limit:
@@ -138,8 +138,7 @@ class Generation:
             for piece in smaller:
                 made += 1
                 heapq.heappush(parts, (piece.bound, made, piece))
-            if seek is not None and parts and made >= next_seek:
-                next_seek = 2 + 2 * made
+            if seek is not None and parts:
                 self._offer(seek(stop))
         proof.complete, proof.work = not parts, stop.done
         left = min((bound for bound, _, _ in parts), default=self.upper)
