@@ -16,6 +16,7 @@ from qrobot.backends import Capabilities, Planner, Stop, available
 from qrobot.backends.classical.aisles import LOADING, NOT_COMPILED, compiled_soon, takes
 from qrobot.backends.classical.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
+from qrobot.backends.classical.generation import can_generate, is_worth_proving
 from qrobot.backends.registry import get_planner
 from qrobot.planning.bounding import begin_bound, share_of, time_to_search
 from qrobot.planning.crew import Crew, spare_cores
@@ -68,7 +69,7 @@ class AutoPlanner(Strategy):
         late = run.stop.remaining < LOADING
         if not (run.finished or late or compiled_soon(run.stop)) and takes(run.instance):
             run.record.notes.append(NOT_COMPILED)
-        if not run.finished and exact.fits(run.instance, run.stop) and proves:
+        if not run.finished and proves and _can_prove(exact, run):
             share = BATCHES_SHARE
             if not takes(run.instance):  # there the proof makes a plan itself
                 # A first plan tells the set partition which trips cannot be part of a better one.
@@ -84,6 +85,13 @@ class AutoPlanner(Strategy):
             _begin(run)
         if not run.finished and not run.stop():
             _search_on(run, search)
+
+
+def _can_prove(exact: ExactPlanner, run: Run) -> bool:
+    """Return whether a proof is in reach."""
+    if not exact.fits(run.instance, run.stop):
+        return False
+    return not can_generate(run.instance) or is_worth_proving(run.instance, run.stop)
 
 
 def _begin(run: Run) -> None:

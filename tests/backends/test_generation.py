@@ -226,3 +226,20 @@ def test_a_limit_of_work_ends_a_proof_and_repeats_it() -> None:
     assert not found[0].is_optimal
     assert found[0].plan.to_dict() == found[1].plan.to_dict()
     assert found[0].bound == found[1].bound
+
+
+def test_parts_of_one_bound_are_taken_in_turn() -> None:
+    """Equal orders make equal bounds: the parts themselves are never compared."""
+    items = [Item(f"{o}/{k}", 3, Slot(1 + k, 5)) for o in range(9) for k in range(2)]
+    instance = Instance(
+        warehouse=AisleWarehouse(4, 9),
+        items=tuple(items),
+        orders=tuple(Order(f"{o}", [f"{o}/0", f"{o}/1"]) for o in range(9)),
+        robots=(Robot("R1", 14, trips=9),),
+    )
+    from qrobot.backends.classical.generation import generate
+
+    found = generate(instance, Stop(max_work=400))
+    assert found.optimal
+    assert found.routes is not None
+    assert len(found.routes) == 5

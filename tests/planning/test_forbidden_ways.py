@@ -72,7 +72,7 @@ def test_every_answer_is_the_one_of_all_sequences(one: Instance) -> None:
     best = least(one)
     if best == INF:
         with pytest.raises(
-            (InputError, InfeasibleError), match=r"no way leads|does not exist|load"
+            (InputError, InfeasibleError), match=r"no way leads|does not exist|load|share a trip"
         ):
             qrobot.solve(one, backend="exact", max_work=100)
         return

@@ -7,6 +7,8 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from qrobot._extras import is_installed
 from qrobot.backends.base import OnBest, Routes, Search, Stop
 from qrobot.backends.classical.aisles import compiled_soon, takes
@@ -15,7 +17,7 @@ from qrobot.problem import Instance
 if TYPE_CHECKING:
     from qrobot.backends.classical.orders import Batch, Trips
 
-__all__ = ["MOST_ORDERS", "bound_of_batches", "can_generate", "generate"]
+__all__ = ["MOST_ORDERS", "bound_of_batches", "can_generate", "generate", "is_worth_proving"]
 
 MOST_ORDERS = 150
 """More orders have too many batches for a bound to be of use."""
@@ -27,6 +29,9 @@ SEEK_SHARE, SEEK_SECONDS, SEEK_WORK = 0.4, 0.3, 400
 """Of the time of a proof, for searches for better plans between its parts; the least time, or the
 work, of each."""
 
+BATCHES_A_SECOND = 1e7
+"""More batches than that for each second that is left are hardly ever bounded in time."""
+
 EASY_BATCHES, EASY_WORK, FIRST_WORK = 30_000, 0.5, 300
 """Where so few batches fit, they are proven in no time: the first search gets so much work for each
 order; otherwise so much in all."""
@@ -35,6 +40,21 @@ order; otherwise so much in all."""
 def can_generate(instance: Instance) -> bool:
     """Return whether column generation takes an instance."""
     return takes(instance) and len(instance.orders) <= MOST_ORDERS and is_installed("ortools")
+
+
+def is_worth_proving(instance: Instance, stop: Stop) -> bool:
+    """Return whether a proof, or a bound, is likely to come about in the time until `stop`.
+
+    Judged by how many batches can be in a plan with as few trips as can be.
+    """
+    from qrobot.backends.classical.generation.batches import count_batches
+
+    capacities = instance.vehicle_capacities
+    total = int(instance.order_weights.sum())
+    fewest = int(np.searchsorted(np.cumsum(capacities), total)) + 1
+    lightest = max(0, total - int(capacities[: fewest - 1].sum()))
+    found = count_batches(instance.order_weights, int(capacities[0]), lightest)
+    return found <= BATCHES_A_SECOND * stop.remaining
 
 
 def generate(

@@ -16,6 +16,7 @@ import heapq
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -123,8 +124,8 @@ class Generation:
         if self.trips[0] > self.trips[1]:  # more trips are needed than there are
             proof.complete = True
             return proof
-        parts = [(0.0, k, part) for k, part in enumerate(self._first_parts(given))]
-        made = 0
+        number = count()  # breaks ties between parts of one bound
+        parts = [(0.0, next(number), part) for part in self._first_parts(given)]
         while parts and not stop():
             proof.bound = max(proof.bound, min(parts[0][0], self.upper))
             if parts[0][0] > self.limit:
@@ -133,11 +134,10 @@ class Generation:
             _, _, part = heapq.heappop(parts)
             smaller = self._split(part, stop)
             if smaller is None:  # no time, or nothing to split
-                heapq.heappush(parts, (part.bound, -1, part))
+                heapq.heappush(parts, (part.bound, next(number), part))
                 break
             for piece in smaller:
-                made += 1
-                heapq.heappush(parts, (piece.bound, made, piece))
+                heapq.heappush(parts, (piece.bound, next(number), piece))
             if seek is not None and parts:
                 self._offer(seek(stop))
         proof.complete, proof.work = not parts, stop.done
