@@ -8,7 +8,7 @@ import numpy as np
 
 from qrobot._arrays import Floats, Ints
 from qrobot.backends.base import Routes, Stop
-from qrobot.backends.classical.aisles import takes
+from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.backends.classical.batching.tour import improve_tour, tour_length
 from qrobot.problem import Instance
 
@@ -39,7 +39,7 @@ def tours_of(instance: Instance, stop: Stop) -> Tours:
 
     Elsewhere tours are no longer improved after `stop`.
     """
-    if takes(instance):
+    if takes(instance) and compiled_soon(stop):
         from qrobot.backends.classical.batching.aisle_lots import AisleTours  # loads numba
 
         return AisleTours(instance)
