@@ -1,18 +1,19 @@
 """Batches of whole orders in aisles: proven against every partition, and by any search."""
 
-import itertools
+import sys
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
+from oracles import least_distance
 
 from qrobot import _jit, solve
 from qrobot.backends import Stop
 from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.backends.classical.batching import BatchingPlanner
 from qrobot.backends.classical.exact import ExactPlanner
+from qrobot.backends.classical.generation import generate
 from qrobot.plan import Plan, check
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
 
@@ -54,45 +55,10 @@ def some_orders(seed: int, orders: int, blocks: int, capacities: tuple[int, ...]
 
 
 def least(instance: Instance) -> float:
-    """Return the least distance over all partitions of the orders, with tours of all sequences."""
-    distances = instance.distances
-    weights = instance.order_weights.tolist()
-    nodes = instance.order_nodes
-    capacities = sorted(instance.vehicle_capacities.tolist(), reverse=True)
-
-    @cache
-    def tour(batch: tuple[int, ...]) -> float:
-        stops = [node for order in batch for node in nodes[order]]
-        best = {(frozenset([s]), s): float(distances[0, s]) for s in stops}
-        for size in range(2, len(stops) + 1):
-            for chosen in itertools.combinations(stops, size):
-                inside = frozenset(chosen)
-                for s in chosen:
-                    before = inside - {s}
-                    best[inside, s] = min(best[before, r] + float(distances[r, s]) for r in before)
-        return min(best[frozenset(stops), s] + float(distances[s, 0]) for s in stops)
-
-    def partitions(left: list[int]) -> list[list[tuple[int, ...]]]:
-        if not left:
-            return [[]]
-        first, rest = left[0], left[1:]
-        found = []
-        for size in range(len(rest) + 1):
-            for others in itertools.combinations(rest, size):
-                batch = (first, *others)
-                if sum(weights[o] for o in batch) > capacities[0]:
-                    continue
-                remaining = [o for o in rest if o not in others]
-                found += [[batch, *more] for more in partitions(remaining)]
-        return found
-
-    def fits(plan: list[tuple[int, ...]]) -> bool:
-        loads = sorted((sum(weights[o] for o in batch) for batch in plan), reverse=True)
-        return all(load <= room for load, room in zip(loads, capacities, strict=False))
-
-    assert len(nodes) <= len(capacities)
-    plans = [plan for plan in partitions(list(range(len(nodes)))) if fits(plan)]
-    return min(sum(tour(batch) for batch in plan) for plan in plans)
+    """Return the least distance of any plan."""
+    found = least_distance(instance)
+    assert found is not None
+    return found[0]
 
 
 @pytest.mark.parametrize("blocks", [1, 2])
@@ -100,8 +66,6 @@ def least(instance: Instance) -> float:
     "depot", [{"depot_offset": 1.0}, {"depot_ways": ((1, 2.95), (2, 5.25), (4, 10.15))}]
 )
 def test_depots_with_several_ways_are_proven_too(depot: dict[str, Any], blocks: int) -> None:
-    from qrobot.backends.classical.generation import generate
-
     instance = some_orders(5 * blocks + 5, 5, blocks, (11,))
     warehouse = replace(instance.warehouse, depot_cross_aisle=0, **depot)  # type: ignore[type-var]
     instance = replace(instance, warehouse=warehouse)
@@ -115,8 +79,6 @@ def test_depots_with_several_ways_are_proven_too(depot: dict[str, Any], blocks: 
 @pytest.mark.parametrize("blocks", [1, 2])
 @pytest.mark.parametrize("seed", range(6))
 def test_generation_proves_the_least_of_all_partitions(seed: int, blocks: int) -> None:
-    from qrobot.backends.classical.generation import generate
-
     instance = some_orders(seed, 6, blocks, (14, 9) if seed % 3 else (11,))
     expected = least(instance)
     found = generate(instance, Stop())
@@ -162,8 +124,6 @@ def test_a_plan_to_start_from_is_never_lost() -> None:
 
 
 def test_an_interrupted_proof_keeps_the_plan_and_a_valid_bound() -> None:
-    from qrobot.backends.classical.generation import generate
-
     instance = some_orders(9, 16, 1, (16,))
     best = ExactPlanner().search(instance, stop=Stop())
     start = BatchingPlanner().search(instance, stop=Stop(max_work=1), seed=0).routes
@@ -184,8 +144,6 @@ def test_it_proves_that_no_packing_exists() -> None:
         orders=tuple(Order(item.id, [item.id]) for item in items),
         robots=(Robot("R1", 11, trips=2),),
     )
-    from qrobot.backends.classical.generation import generate
-
     found = generate(instance, Stop(max_work=30))
     assert found.routes is None
     assert found.infeasible is not None
@@ -210,8 +168,6 @@ def test_the_cache_is_found_where_numba_keeps_it(tmp_path, monkeypatch: pytest.M
     cache_folder = tmp_path / "cache"
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(cache_folder))
     assert not _jit.is_cached(source, "sweep")
-    import sys
-
     tag = f"py{sys.version_info[0]}{sys.version_info[1]}"
     (cache_folder / "here_abc").mkdir(parents=True)
     (cache_folder / "here_abc" / f"kernels.sweep-12.{tag}.nbi").write_text("")
@@ -237,8 +193,6 @@ def test_parts_of_one_bound_are_taken_in_turn() -> None:
         orders=tuple(Order(f"{o}", [f"{o}/0", f"{o}/1"]) for o in range(9)),
         robots=(Robot("R1", 14, trips=9),),
     )
-    from qrobot.backends.classical.generation import generate
-
     found = generate(instance, Stop(max_work=400))
     assert found.optimal
     assert found.routes is not None

@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import replace
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
 import pytest
 from numpy.random import Generator
+from tours import random_aisles, random_slot, shortest_way
 
 from qrobot import _jit
 from qrobot.errors import InputError
@@ -69,48 +70,15 @@ def way_lengths(w: AisleWarehouse, nodes: list[End]) -> list[list[float]]:
     return [[row.get(name, math.inf) for name in names] for row in rows]
 
 
-def shortest(d: list[list[float]]) -> float:
-    """Return the length of a shortest way from row 0 past all others to the last (Held-Karp)."""
-    inner = range(1, len(d) - 1)
-    best = {(1 << i, i): d[0][i] for i in inner}
-    for size in range(2, len(inner) + 1):
-        for chosen in combinations(inner, size):
-            mask = sum(1 << i for i in chosen)
-            for j in chosen:
-                best[mask, j] = min(best[mask ^ (1 << j), k] + d[k][j] for k in chosen if k != j)
-    everything = sum(1 << i for i in inner)
-    return min((best[everything, j] + d[j][-1] for j in inner), default=d[0][-1])
-
-
 def random_layout(rng: Generator, blocks: int) -> AisleWarehouse:
     """Return a layout, in half of the cases with closed parts; depots at a crossing, beside one,
     or with several ways."""
-    aisles, slots = int(rng.integers(1, 6)), int(rng.integers(1, 6))
-    closed = rng.random() < 0.5
-    w = AisleWarehouse(
-        aisles,
-        slots,
-        blocks,
-        aisle_pitch=float(rng.integers(2, 6)),
-        slot_pitch=float(rng.integers(1, 4)) / 2,
-        end_gap=float(rng.integers(1, 4)),
-        depot_aisle=int(rng.integers(aisles)),
-        depot_cross_aisle=int(rng.integers(blocks + 1)),
-        depot_distance=float(rng.integers(0, 3)),
-        closed_aisles=frozenset(
-            (int(rng.integers(aisles)), int(rng.integers(blocks)))
-            for _ in range(rng.integers(3) * closed)
-        ),
-        closed_crossings=frozenset(
-            (int(rng.integers(blocks + 1)), int(rng.integers(aisles - 1)))
-            for _ in range(rng.integers(5) * closed * (aisles > 1))
-        ),
-    )
+    w = random_aisles(rng, blocks, most=5)
     change: dict[str, object] = {}
     if rng.random() < 0.4:
         change["depot_offset"] = w.aisle_pitch * float(rng.integers(1, 4)) / 4
     elif rng.random() < 0.8:
-        others = [a for a in range(aisles) if a != w.depot_aisle and rng.random() < 0.7]
+        others = [a for a in range(w.aisles) if a != w.depot_aisle and rng.random() < 0.7]
         change["depot_ways"] = tuple(
             (a, w.aisle_pitch * abs(a - w.depot_aisle) + float(rng.integers(-1, 2))) for a in others
         )
@@ -118,12 +86,6 @@ def random_layout(rng: Generator, blocks: int) -> AisleWarehouse:
         return replace(w, **change)  # type: ignore[arg-type]
     except InputError:  # not between open aisles, or a short cut
         return w
-
-
-def random_slot(rng: Generator, w: AisleWarehouse) -> Slot:
-    return Slot(
-        int(rng.integers(w.aisles)), int(rng.integers(w.slots)), int(rng.integers(w.blocks))
-    )
 
 
 def random_end(rng: Generator, w: AisleWarehouse, picks: list[Slot]) -> End:
@@ -148,7 +110,7 @@ def test_tours_from_any_depot_are_shortest(blocks: int) -> None:
         w = random_layout(rng, blocks)
         picks = [random_slot(rng, w) for _ in range(rng.integers(1, 7))]
         ways = way_lengths(w, [None, *picks, None])
-        expected = shortest(ways)
+        expected = shortest_way(ways)
         router = Router(w, compiled=False)
         tour = router.tour(picks)
         assert router.length(picks) == pytest.approx(expected, abs=1e-9), (w, picks)
@@ -174,7 +136,7 @@ def test_tours_from_place_to_place_are_shortest(blocks: int) -> None:
         start, end = random_end(rng, w, picks), random_end(rng, w, picks[::-1])
         ways = way_lengths(w, [start, *picks, end])
         closed = any((pick.aisle, pick.block) in w.closed_aisles for pick in picks)
-        expected = math.inf if closed else shortest(ways)
+        expected = math.inf if closed else shortest_way(ways)
         tour = Router(w).tour(picks, start=start, end=end)
         assert tour.length == pytest.approx(expected, abs=1e-9), (w, picks, start, end)
         if math.isfinite(expected):

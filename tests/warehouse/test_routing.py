@@ -1,14 +1,13 @@
 """Shortest tours against the subset programme of Held and Karp over shortest ways."""
 
 import math
-from itertools import combinations
 
 import numpy as np
 import pytest
 from numpy.random import Generator
+from tours import random_aisles, random_slot, shortest_way
 
 from qrobot import _jit
-from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Slot
 from qrobot.warehouse import Router
@@ -17,48 +16,10 @@ from qrobot.warehouse.states import transitions
 CASES = 250
 
 
-def shortest(distances: Floats) -> float:
-    """Return the length of a shortest tour from row 0 through all others (Held and Karp 1962)."""
-    d = distances.tolist()
-    n = len(d) - 1
-    best = {(1 << i, i): d[0][i + 1] for i in range(n)}
-    for size in range(2, n + 1):
-        for chosen in combinations(range(n), size):
-            mask = sum(1 << i for i in chosen)
-            for j in chosen:
-                before = mask ^ (1 << j)
-                best[mask, j] = min(best[before, k] + d[k + 1][j + 1] for k in chosen if k != j)
-    return min(best[(1 << n) - 1, j] + d[j + 1][0] for j in range(n))
-
-
 def random_case(rng: Generator, blocks: int) -> tuple[AisleWarehouse, list[Slot]]:
-    """Return a layout, in half of the cases with closed parts, and up to seven picks."""
-    aisles, slots = int(rng.integers(1, 7)), int(rng.integers(1, 7))
-    closed = rng.random() < 0.5
-    warehouse = AisleWarehouse(
-        aisles,
-        slots,
-        blocks,
-        aisle_pitch=float(rng.integers(1, 6)),
-        slot_pitch=float(rng.integers(1, 4)) / 2,
-        end_gap=float(rng.integers(1, 4)),
-        depot_aisle=int(rng.integers(aisles)),
-        depot_cross_aisle=int(rng.integers(blocks + 1)),
-        depot_distance=float(rng.integers(0, 3)),
-        closed_aisles=frozenset(
-            (int(rng.integers(aisles)), int(rng.integers(blocks)))
-            for _ in range(rng.integers(3) * closed)
-        ),
-        closed_crossings=frozenset(
-            (int(rng.integers(blocks + 1)), int(rng.integers(aisles - 1)))
-            for _ in range(rng.integers(5) * closed * (aisles > 1))
-        ),
-    )
-    picks = [
-        Slot(int(rng.integers(aisles)), int(rng.integers(slots)), int(rng.integers(blocks)))
-        for _ in range(rng.integers(1, 8))
-    ]
-    return warehouse, picks
+    """Return a layout and up to seven picks."""
+    warehouse = random_aisles(rng, blocks, most=6)
+    return warehouse, [random_slot(rng, warehouse) for _ in range(rng.integers(1, 8))]
 
 
 @pytest.mark.parametrize("blocks", [1, 2, 3, 4])
@@ -69,7 +30,8 @@ def test_tours_are_shortest(blocks: int) -> None:
     for _ in range(CASES):
         warehouse, picks = random_case(rng, blocks)
         distances = warehouse.distance_matrix(picks)
-        expected = shortest(distances)
+        rows = [0, *range(1, len(picks) + 1), 0]
+        expected = shortest_way(distances[np.ix_(rows, rows)].tolist())
         router = Router(warehouse, compiled=False)
         tour = router.tour(picks)
         assert router.length(picks) == pytest.approx(expected, abs=1e-9), (warehouse, picks)
