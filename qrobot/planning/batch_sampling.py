@@ -11,7 +11,7 @@ import numpy as np
 
 from qrobot._numbers import number
 from qrobot.backends import Stop
-from qrobot.backends.classical.aisles import takes
+from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.backends.sampler import PickingSampler
 from qrobot.errors import BackendError, InputError, QRobotError
 from qrobot.models.batches import Assignment, BatchModel
@@ -39,11 +39,14 @@ CONTROL_SHARE = 0.5
 """Of the time, for the control."""
 
 
-def wants_batches(instance: Instance, sampler: PickingSampler, options: Mapping[str, Any]) -> bool:
+def wants_batches(
+    instance: Instance, sampler: PickingSampler, options: Mapping[str, Any], stop: Stop
+) -> bool:
     """Return whether a sampler is asked for batches, and not for sequences of stops.
 
     It is where the caller says so, and where whole orders in aisles need a model of sequences
-    with more than `MANY` variables, or than the sampler takes.
+    with more variables than the sampler takes, or than `MANY` and the kernels are compiled, or
+    may be, until `stop`.
 
     Raises
     ------
@@ -74,9 +77,10 @@ def wants_batches(instance: Instance, sampler: PickingSampler, options: Mapping[
     if instance.size == len(instance.orders) or len(instance.orders) > most:
         return False
     try:
-        return compact_layout(instance, "exact").size > min(most, MANY)
+        size = compact_layout(instance, "exact").size
     except InputError:
         return True
+    return size > most or (size > MANY and compiled_soon(stop))
 
 
 def plan_batches(

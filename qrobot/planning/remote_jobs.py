@@ -55,7 +55,7 @@ def estimate(
     strategy.check_options(options)
     if (sampler := strategy.sampler) is None or not instance.orders:
         return FREE
-    if wants_batches(instance, sampler, options):
+    if wants_batches(instance, sampler, options, Stop()):
         return FREE  # only samplers on this machine are asked for batches
     chosen, sampling = split_options(sampler, options)
     model = build(instance, sampler, chosen)

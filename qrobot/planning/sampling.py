@@ -102,7 +102,7 @@ class SamplerStrategy(Strategy):
                     field=name,
                     advice=f"use that, or --{'no-wait' if name == 'wait' else 'dry-run'}",
                 )
-        if wants_batches(instance, sampler, options):
+        if wants_batches(instance, sampler, options, run.stop):
             plan_batches(run, sampler, options, control=self._control)
             return
         chosen, sampling = split_options(sampler, options)

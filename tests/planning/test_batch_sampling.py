@@ -129,13 +129,15 @@ def test_unequal_robots_and_a_tight_fleet() -> None:
 def test_when_batches_are_sampled() -> None:
     neal = get("neal")
     large = whole_orders(12, 12)
-    assert wants_batches(large, neal, {})
-    assert not wants_batches(large, neal, {"encoding": "compact"})
-    assert not wants_batches(whole_orders(4, 2), neal, {})
+    assert wants_batches(large, neal, {}, Stop())
+    assert not wants_batches(large, neal, {"encoding": "compact"}, Stop())
+    assert not wants_batches(whole_orders(4, 2), neal, {}, Stop())
     with pytest.raises(InputError, match="penalties of its own"):
-        wants_batches(large, neal, {"encoding": "batches", "penalties": "safe"})
+        wants_batches(large, neal, {"encoding": "batches", "penalties": "safe"}, Stop())
     with pytest.raises(InputError, match="warehouse of aisles"):
-        wants_batches(qrobot.read("examples/paper-4-items.json"), neal, {"encoding": "batches"})
+        wants_batches(
+            qrobot.read("examples/paper-4-items.json"), neal, {"encoding": "batches"}, Stop()
+        )
 
 
 def test_a_model_too_large_for_the_sampler_is_refused() -> None:
