@@ -126,6 +126,16 @@ def test_unequal_robots_and_a_tight_fleet() -> None:
     assert check(result.plan, instance).ok
 
 
+def test_a_sampler_waits_for_no_compiler_where_it_can_do_without(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The example has 4,338 compact variables, which neal takes."""
+    monkeypatch.setattr("qrobot._jit.is_cached", lambda *_: False)
+    example = qrobot.read("examples/small-warehouse.json")
+    assert not wants_batches(example, get("neal"), {}, Stop(5))
+    assert wants_batches(example, get("neal"), {}, Stop())
+
+
 def test_when_batches_are_sampled() -> None:
     neal = get("neal")
     large = whole_orders(12, 12)
