@@ -16,7 +16,7 @@ from qrobot.backends import Capabilities, Planner, Stop, available
 from qrobot.backends.classical.aisles import LOADING, NOT_COMPILED, compiled_soon, takes
 from qrobot.backends.classical.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
-from qrobot.backends.classical.generation import can_generate, is_worth_proving
+from qrobot.backends.classical.generation import can_generate, count_of_batches, is_worth_proving
 from qrobot.backends.registry import get_planner
 from qrobot.planning.bounding import begin_bound, share_of, time_to_search
 from qrobot.planning.crew import Crew, spare_cores
@@ -35,6 +35,9 @@ PROOF_SHARE = 0.6
 
 BATCHES_SHARE = 0.8
 """That of whole orders in aisles: no other bound comes near to it."""
+
+MANY_BATCHES = 200_000
+"""Batches beyond which a proof takes seconds, so that helpers are worth their start."""
 
 PACKING_SHARE = 0.3
 """A search that found no plan in this share of the time gets a packing to start from."""
@@ -70,12 +73,7 @@ class AutoPlanner(Strategy):
         if not (run.finished or late or compiled_soon(run.stop)) and takes(run.instance):
             run.record.notes.append(NOT_COMPILED)
         if not run.finished and proves and _can_prove(exact, run):
-            share = BATCHES_SHARE
-            if not takes(run.instance):  # there the proof makes a plan itself
-                # A first plan tells the set partition which trips cannot be part of a better one.
-                run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
-                share = PROOF_SHARE
-            run.plan(exact, _proving(run.stop, share))
+            _prove(run, exact, search)
         if not (run.finished or run.best.by_distance or run.best.aim(search)):
             run.record.notes.append(
                 f"no search takes account of {run.best.objective.name} here: short plans were "
@@ -85,6 +83,20 @@ class AutoPlanner(Strategy):
             _begin(run)
         if not run.finished and not run.stop():
             _search_on(run, search)
+
+
+def _prove(run: Run, exact: ExactPlanner, search: Planner) -> None:
+    """Prove, or improve, what is in reach of a proof."""
+    if not can_generate(run.instance):
+        # A first plan tells the set partition which trips cannot be part of a better one.
+        run.plan(search, share_of(run.stop, FIRST_SHARE, FIRST_SECONDS))
+        run.plan(exact, _proving(run.stop, PROOF_SHARE))
+        return
+    # There the proof makes a plan itself; a long one leaves the other cores to the search.
+    stop = _proving(run.stop, BATCHES_SHARE)
+    seconds = stop.remaining if count_of_batches(run.instance) > MANY_BATCHES else 0.0
+    with _helpers(run, search, seconds) as crew:
+        run.plan(exact, _Patient(run, stop, crew))
 
 
 def _can_prove(exact: ExactPlanner, run: Run) -> bool:

@@ -17,7 +17,14 @@ from qrobot.problem import Instance
 if TYPE_CHECKING:
     from qrobot.backends.classical.orders import Batch, Trips
 
-__all__ = ["MOST_ORDERS", "bound_of_batches", "can_generate", "generate", "is_worth_proving"]
+__all__ = [
+    "MOST_ORDERS",
+    "bound_of_batches",
+    "can_generate",
+    "count_of_batches",
+    "generate",
+    "is_worth_proving",
+]
 
 MOST_ORDERS = 150
 """More orders have too many batches for a bound to be of use."""
@@ -42,19 +49,20 @@ def can_generate(instance: Instance) -> bool:
     return takes(instance) and len(instance.orders) <= MOST_ORDERS and is_installed("ortools")
 
 
-def is_worth_proving(instance: Instance, stop: Stop) -> bool:
-    """Return whether a proof, or a bound, is likely to come about in the time until `stop`.
-
-    Judged by how many batches can be in a plan with as few trips as can be.
-    """
+def count_of_batches(instance: Instance) -> float:
+    """Return how many batches can be in a plan with as few trips as can be."""
     from qrobot.backends.classical.generation.batches import count_batches
 
     capacities = instance.vehicle_capacities
     total = int(instance.order_weights.sum())
     fewest = int(np.searchsorted(np.cumsum(capacities), total)) + 1
     lightest = max(0, total - int(capacities[: fewest - 1].sum()))
-    found = count_batches(instance.order_weights, int(capacities[0]), lightest)
-    return found <= BATCHES_A_SECOND * stop.remaining
+    return count_batches(instance.order_weights, int(capacities[0]), lightest)
+
+
+def is_worth_proving(instance: Instance, stop: Stop) -> bool:
+    """Return whether a proof, or a bound, is likely to come about in the time until `stop`."""
+    return count_of_batches(instance) <= BATCHES_A_SECOND * stop.remaining
 
 
 def generate(

@@ -293,11 +293,12 @@ class Work(Stop):
 
     def __init__(self, stop: Stop) -> None:
         super().__init__(None, stop.max_work, parent=stop)
+        self._until = stop
         self.done = 0
 
     def __call__(self, work: int = 0) -> bool:
         """Return True when it is time to stop."""
-        return super().__call__(max(work, self.done))
+        return self._until(max(work, self.done))
 
     def affords(self, lists: float, seconds: float) -> bool:
         """Return whether there is work and time for so many lists."""
