@@ -39,6 +39,9 @@ OPTIONS: dict[str, dict[str, Any]] = {
 
 READS, EVALUATIONS = 200, 4
 
+KERNELS = "qrobot.backends.classical.batching.annealing"
+"""The module of the compiled search of whole orders; the plain search does not import it."""
+
 
 def make(file: Path) -> None:
     """Solve with every local backend that is installed."""
@@ -56,6 +59,7 @@ def make(file: Path) -> None:
     document = {
         "machine": platform.machine(),
         "python": platform.python_version(),
+        "search": "compiled" if KERNELS in sys.modules else "plain",
         "backends": answers,
     }
     file.write_text(json.dumps(document, indent=1))
@@ -110,7 +114,10 @@ def compare(first: Path, second: Path) -> int:
     wanted = {name for name in here if registry.capabilities(name).local}
     names = sorted(wanted | one["backends"].keys() | two["backends"].keys())
     print(f"{'backend':<16} {one['machine']:>10} {two['machine']:>10}  verdict")
-    bad = 0
+    searches = [document.get("search", "unknown") for document in (one, two)]
+    bad = int(searches[0] != searches[1])
+    verdict = "DIFFERENT: compiled kernels on one machine only" if bad else "the same search"
+    print(f"{'(whole orders)':<16} {searches[0]:>10} {searches[1]:>10}  {verdict}")
     for name in names:
         a, b = one["backends"].get(name), two["backends"].get(name)
         if a is None or b is None:

@@ -53,9 +53,11 @@ def test_what_is_taken_over_keeps_its_hashes() -> None:
         assert "--hash=sha256:" in block
 
 
-def compare(first: Any, second: Any, folder: Path) -> tuple[int, str]:
-    for name, answers in (("a", first), ("b", second)):
-        document = {"machine": name, "python": "3", "backends": answers}
+def compare(
+    first: Any, second: Any, folder: Path, searches: tuple[str, str] = ("plain", "plain")
+) -> tuple[int, str]:
+    for name, answers, search in zip("ab", (first, second), searches, strict=True):
+        document = {"machine": name, "python": "3", "search": search, "backends": answers}
         (folder / name).write_text(json.dumps(document))
     done = subprocess.run(
         [sys.executable, ROOT / "docker/plans.py", "compare", folder / "a", folder / "b"],
@@ -93,3 +95,6 @@ def test_a_comparison_notices_what_differs(tmp_path: Path) -> None:
     assert "missing on one" in verdict(told, "exact")
     _, told = compare(same, same | {"exact": plan | {"plan": {"trips": [1]}}}, tmp_path)
     assert "the plans differ" in verdict(told, "exact")
+    assert "the same search" in verdict(told, "(whole")
+    _, told = compare(same, same, tmp_path, ("plain", "compiled"))
+    assert "DIFFERENT" in verdict(told, "(whole")
