@@ -29,6 +29,8 @@ GOOD: dict[str, Any] = {
         "depot": {"aisle": 0, "cross_aisle": 0, "distance": 0},
         "closed_aisles": [{"aisle": 2, "block": 1}],
         "closed_crossings": [{"cross_aisle": 0, "aisle": 1}],
+        "one_way_aisles": [{"aisle": 1, "block": 0, "towards": "back"}],
+        "one_way_crossings": [{"cross_aisle": 1, "aisle": 0, "towards": "left"}],
     },
     "robots": {"count": 2, "capacity": 15.5, "speed": 1.2, "trips": 1},
     "items": [

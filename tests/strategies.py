@@ -47,8 +47,10 @@ def weights(*, zero: bool = True) -> st.SearchStrategy[Fraction]:
 
 
 @st.composite
-def aisle_warehouses(draw: st.DrawFn, *, closed: bool = False) -> AisleWarehouse:
-    """Draw a layout; with ``closed=True`` some of its segments are closed."""
+def aisle_warehouses(
+    draw: st.DrawFn, *, closed: bool = False, one_way: bool = False
+) -> AisleWarehouse:
+    """Draw a layout; some of its segments may be closed, or one-way."""
     aisles, blocks = draw(st.integers(1, 5)), draw(st.integers(1, 3))
     sub_aisles = [(a, b) for a in range(aisles) for b in range(blocks)]
     segments = [(c, a) for c in range(blocks + 1) for a in range(aisles - 1)]
@@ -67,7 +69,23 @@ def aisle_warehouses(draw: st.DrawFn, *, closed: bool = False) -> AisleWarehouse
         closed_crossings=draw(_some_of(segments) if closed else st.just(frozenset())),
         block_gaps=draw(st.just(()) | gaps),
     )
-    return draw(_with_depot_ways(house) | _between_aisles(house))
+    house = draw(_with_depot_ways(house) | _between_aisles(house))
+    if not one_way:
+        return house
+    along = draw(_some_of([part for part in sub_aisles if part not in house.closed_aisles]))
+    across = draw(_some_of([part for part in segments if part not in house.closed_crossings]))
+    try:
+        return dataclasses.replace(
+            house,
+            one_way_aisles=frozenset(
+                (*part, draw(st.sampled_from(["front", "back"]))) for part in along
+            ),
+            one_way_crossings=frozenset(
+                (*part, draw(st.sampled_from(["left", "right"]))) for part in across
+            ),
+        )
+    except InputError:  # ways of the depot would be a short cut
+        return house
 
 
 @st.composite

@@ -135,6 +135,7 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
     robots = {robot.id: robot for robot in instance.robots}
     items = {item.id: item for item in instance.items}
     ruler = Ruler(instance.warehouse)
+    both_ways = ruler.both_ways()
     objective = OBJECTIVES[plan.objective]
     total = cost = 0.0
     for number, trip in enumerate(plan.trips, 1):
@@ -145,7 +146,8 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         robot = robots.get(trip.robot)
         picked = [items[stop] for stop in stops]
         cost += math.nan if robot is None else objective.trip(length, robot, picked)
-        problems += _trip(number, trip, load, length, robot)
+        both = None if both_ways is None else both_ways.trip(items[stop].place for stop in stops)
+        problems += _trip(number, trip, load, length, robot, both)
         if math.isinf(length):
             problems += _forbidden(number, [items[stop] for stop in stops], ruler)
     if math.isfinite(total) and not _agree(plan.distance, total):
@@ -248,7 +250,12 @@ def _robots(plan: Plan, instance: Instance) -> Iterator[Problem]:
 
 
 def _trip(
-    number: int, trip: Trip, load: Fraction, length: float, robot: Robot | None
+    number: int,
+    trip: Trip,
+    load: Fraction,
+    length: float,
+    robot: Robot | None,
+    both_ways: float | None,
 ) -> Iterator[Problem]:
     if not trip.stops:
         yield Problem("empty", f"trip {number} of robot {trip.robot} has no stops")
@@ -265,9 +272,10 @@ def _trip(
     if math.isinf(length):
         return  # there is no distance to compare with: `_forbidden` reports it
     if not _agree(trip.distance, length):
-        yield Problem(
-            "distance", f"trip {number} states a distance of {trip.distance!r}, it is {length!r}"
-        )
+        text = f"trip {number} states a distance of {trip.distance!r}, it is {length!r}"
+        if both_ways is not None and _agree(trip.distance, both_ways):
+            text += ": the stated one goes against one-way aisles"
+        yield Problem("distance", text)
     elif robot is not None and trip.seconds and not _agree(trip.seconds, length / robot.speed):
         yield Problem(
             "time",

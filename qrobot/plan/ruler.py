@@ -11,6 +11,7 @@ import heapq
 import math
 from collections import defaultdict
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import pairwise
 
 from qrobot.problem.aisles import AisleWarehouse
@@ -38,6 +39,13 @@ class Ruler:
         self._warehouse = warehouse
         self._known: dict[tuple[Place | None, Place | None], float] = {}
         self._walk = _Walk(warehouse) if isinstance(warehouse, AisleWarehouse) else None
+
+    def both_ways(self) -> Ruler | None:
+        """Return a ruler that measures as if no aisle were one-way, or None when none is."""
+        w = self._warehouse
+        if not isinstance(w, AisleWarehouse) or not (w.one_way_aisles or w.one_way_crossings):
+            return None
+        return Ruler(replace(w, one_way_aisles=frozenset(), one_way_crossings=frozenset()))
 
     def trip(self, places: Iterable[Place]) -> float:
         """Return the length of a trip from the depot past the places and back."""
@@ -89,42 +97,70 @@ class _Walk:
         for aisle in range(w.aisles):
             for block in range(w.blocks):
                 if (aisle, block) not in w.closed_aisles:
-                    self._join((aisle, block), (aisle, block + 1), self._lengths[block])
+                    ends = (aisle, block), (aisle, block + 1)
+                    leads = [(aisle, block, t) in w.one_way_aisles for t in ("front", "back")]
+                    self._join(*ends, self._lengths[block], *leads)
         for cross in range(w.blocks + 1):
             for aisle in range(w.aisles - 1):
                 if (cross, aisle) not in w.closed_crossings:
-                    self._join((aisle, cross), (aisle + 1, cross), w.aisle_pitch)
+                    ends = (aisle, cross), (aisle + 1, cross)
+                    leads = [(cross, aisle, t) in w.one_way_crossings for t in ("left", "right")]
+                    self._join(*ends, w.aisle_pitch, *leads)
 
-    def _join(self, a: _Crossing, b: _Crossing, length: float) -> None:
-        self._steps[a].append((b, length))
-        self._steps[b].append((a, length))
+    def _join(
+        self, a: _Crossing, b: _Crossing, length: float, only_back: bool, only_on: bool
+    ) -> None:
+        """Add a part from `a` on to `b`, which may lead back to `a` only, or on to `b` only."""
+        if not only_back:
+            self._steps[a].append((b, length))
+        if not only_on:
+            self._steps[b].append((a, length))
 
-    def _gates(self, place: Place | None) -> dict[_Crossing, float]:
-        """Return the crossings next to a place and how far they are; None is the depot."""
+    def _gates(self, place: Place | None, *, leaving: bool) -> dict[_Crossing, float]:
+        """Return the crossings that a place may be left, or entered, by, and how far they are.
+
+        None is the depot.
+        """
         w = self._w
         if not isinstance(place, Slot):
             left, right = w.depot_offset, w.aisle_pitch - w.depot_offset
             ways = [(w.depot_aisle, w.depot_distance + left), *w.depot_ways]
             if w.depot_offset:
                 ways.append((w.depot_aisle + 1, w.depot_distance + right))
+                segment = w.depot_cross_aisle, w.depot_aisle
+                against = ("right", "left") if leaving else ("left", "right")
+                ways = [
+                    way
+                    for way, towards in zip(ways, against, strict=True)
+                    if (*segment, towards) not in w.one_way_crossings
+                ]
             return {(aisle, w.depot_cross_aisle): length for aisle, length in ways}
         if (place.aisle, place.block) in w.closed_aisles:
             return {}
         front = self._gaps[place.block][0] + place.slot * w.slot_pitch
-        return {
-            (place.aisle, place.block): front,
-            (place.aisle, place.block + 1): self._lengths[place.block] - front,
-        }
+        gates = {}
+        if self._leads(place, "front" if leaving else "back"):
+            gates[place.aisle, place.block] = front
+        if self._leads(place, "back" if leaving else "front"):
+            gates[place.aisle, place.block + 1] = self._lengths[place.block] - front
+        return gates
+
+    def _leads(self, place: Slot, towards: str) -> bool:
+        """Return whether the sub-aisle of a slot may be walked towards its front or its back."""
+        one_way = [t for a, b, t in self._w.one_way_aisles if (a, b) == (place.aisle, place.block)]
+        return not one_way or towards in one_way
 
     def __call__(self, start: Place | None, end: Place | None) -> float:
         """Return the length of a shortest way, ``inf`` without one; None is the depot."""
-        gates, best = self._gates(end), math.inf
-        queue = [(length, at) for at, length in self._gates(start).items()]
+        gates, best = self._gates(end, leaving=False), math.inf
+        queue = [(length, at) for at, length in self._gates(start, leaving=True).items()]
         if not gates or not queue:
             return math.inf
         match start, end:  # along the aisle that both are in
             case Slot(), Slot() if (start.aisle, start.block) == (end.aisle, end.block):
-                best = abs(start.slot - end.slot) * self._w.slot_pitch
+                slots = end.slot - start.slot
+                if not slots or self._leads(start, "back" if slots > 0 else "front"):
+                    best = abs(slots) * self._w.slot_pitch
         heapq.heapify(queue)
         done: set[_Crossing] = set()
         while queue:

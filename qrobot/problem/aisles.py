@@ -4,14 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate, combinations, pairwise
+from itertools import accumulate, pairwise, permutations
 from math import dist
 from typing import ClassVar, Literal
 
 from qrobot._arrays import Floats
 from qrobot.errors import InputError
-from qrobot.problem.aisle_graph import AisleGraph, Crossing, Door, InAisle, without_repeats
-from qrobot.problem.checks import check_count, check_index, check_length
+from qrobot.problem.aisle_graph import (
+    AisleGraph,
+    Crossing,
+    Door,
+    InAisle,
+    OneWays,
+    without_repeats,
+)
+from qrobot.problem.checks import (
+    check_count,
+    check_direction,
+    check_index,
+    check_length,
+)
 from qrobot.problem.warehouse import Place, Slot
 
 __all__ = ["AisleWarehouse"]
@@ -21,6 +33,10 @@ MAX_CROSSINGS = 4_000
 
 MIN_PITCH, MAX_PITCH = 1e-3, 1e6
 """A millimetre and a thousand kilometres: whatever the unit, a layout fits between."""
+
+
+ALONG, ACROSS = ("front", "back"), ("left", "right")
+"""Where a one-way sub-aisle, and a one-way segment of a cross aisle, may lead."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +66,12 @@ class AisleWarehouse:
     closed_crossings
         Cross-aisle segments ``(cross_aisle, aisle)`` between an aisle and its right
         neighbour that nobody can pass.
+    one_way_aisles
+        Sub-aisles ``(aisle, block, towards)`` that pickers walk only towards the ``front`` or the
+        ``back``.
+    one_way_crossings
+        Cross-aisle segments ``(cross_aisle, aisle, towards)`` that pickers walk only to the
+        ``left`` or the ``right``.
     block_gaps
         Gaps ``(front, back)`` of each block, where they are not all `end_gap`.
     depot_ways
@@ -74,12 +96,13 @@ class AisleWarehouse:
     block_gaps: tuple[tuple[float, float], ...] = ()
     depot_ways: tuple[tuple[int, float], ...] = ()
     depot_offset: float = 0.0
+    one_way_aisles: OneWays = field(default_factory=frozenset)
+    one_way_crossings: OneWays = field(default_factory=frozenset)
     kind: Literal["aisles"] = "aisles"
 
     is_metric: ClassVar = True
     has_given_distances: ClassVar = False
     unit: ClassVar = "m"
-    way_out: ClassVar = "open an aisle"
 
     def __post_init__(self) -> None:
         """Check that the layout can be built."""
@@ -106,6 +129,7 @@ class AisleWarehouse:
         for cross_aisle, aisle in self.closed_crossings:
             check_index(cross_aisle, "closed_crossings[].cross_aisle", count=self.blocks + 1)
             check_index(aisle, "closed_crossings[].aisle", count=self.aisles - 1)
+        self._check_directions()
         if self.depot_offset:
             self._check_offset()
         if self.depot_ways:
@@ -125,6 +149,22 @@ class AisleWarehouse:
             if length < MIN_PITCH:
                 field = f"block_gaps[{b}].front" if self.block_gaps else "end_gap"
                 raise InputError("0 leaves no aisle", field=field, advice="use metres above 0")
+
+    def _check_directions(self) -> None:
+        for aisle, block, towards in self.one_way_aisles:
+            check_index(aisle, "one_way_aisles[].aisle", count=self.aisles)
+            check_index(block, "one_way_aisles[].block", count=self.blocks)
+            where = f"block {block} of aisle {aisle}"
+            closed = (aisle, block) in self.closed_aisles
+            opposites = [(aisle, block, other) in self.one_way_aisles for other in ALONG]
+            check_direction(where, "one_way_aisles[]", towards, ALONG, closed, all(opposites))
+        for cross, aisle, towards in self.one_way_crossings:
+            check_index(cross, "one_way_crossings[].cross_aisle", count=self.blocks + 1)
+            check_index(aisle, "one_way_crossings[].aisle", count=self.aisles - 1)
+            where = f"cross aisle {cross} to the right of aisle {aisle}"
+            closed = (cross, aisle) in self.closed_crossings
+            opposites = [(cross, aisle, other) in self.one_way_crossings for other in ACROSS]
+            check_direction(where, "one_way_crossings[]", towards, ACROSS, closed, all(opposites))
 
     def _check_offset(self) -> None:
         check_length(self.depot_offset, "depot.offset", most=MAX_PITCH)
@@ -157,13 +197,23 @@ class AisleWarehouse:
                 "two ways lead to one aisle", field="depot.ways", advice="keep the shorter one"
             )
         lengths = self.graph().lengths_from(doors)
-        for (i, a), (j, b) in combinations(enumerate(doors), 2):
+        for (i, a), (j, b) in permutations(enumerate(doors), 2):
             if far[i] + far[j] < lengths[(*a, j)] * (1 - 1e-12):
                 raise InputError(
                     f"the ways to aisles {a[0]} and {b[0]} are a short cut past the depot",
                     field="depot.ways",
                     advice="lengthen them, or give the distances as a matrix",
                 )
+
+    @property
+    def is_one_way(self) -> bool:
+        """Whether some part may be walked in one direction only: a way there is not one back."""
+        return bool(self.one_way_aisles or self.one_way_crossings)
+
+    @property
+    def way_out(self) -> str:
+        """What to do beside moving the items when nothing leads to them."""
+        return "open an aisle" + (" or drop a direction" if self.is_one_way else "")
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
@@ -191,6 +241,27 @@ class AisleWarehouse:
         return [((aisle, self.depot_cross_aisle), length) for aisle, length in ways]
 
     @property
+    def ways_out(self) -> list[Door]:
+        """Those of the `doors` that the depot may be left by: all but on a one-way segment."""
+        return self._doors_towards("right")
+
+    @property
+    def ways_back(self) -> list[Door]:
+        """Those of the `doors` that ways back to the depot may come from."""
+        return self._doors_towards("left")
+
+    def _doors_towards(self, last: str) -> list[Door]:
+        """Return the doors, without that against the direction of the segment around the depot.
+
+        It is the left one where the segment leads to `last`, and the right one otherwise.
+        """
+        segment = self.depot_cross_aisle, self.depot_aisle
+        leads = [t for t in ACROSS if (*segment, t) in self.one_way_crossings]
+        if not self.depot_offset or not leads:
+            return self.doors
+        return self.doors[1:] if leads[0] == last else self.doors[:1]
+
+    @property
     def depot(self) -> tuple[float, float]:
         """Where the depot is drawn, metres."""
         x = self.depot_aisle * self.aisle_pitch + self.depot_offset
@@ -207,6 +278,8 @@ class AisleWarehouse:
             block_lengths=self.block_lengths,
             closed_aisles=self.closed_aisles,
             closed_crossings=self.closed_crossings,
+            one_way_aisles=self.one_way_aisles,
+            one_way_crossings=self.one_way_crossings,
         )
 
     def position(self, place: Place) -> tuple[float, float]:
@@ -251,13 +324,13 @@ class AisleWarehouse:
             Shape (n + 1, n + 1), metres; row 0 is the depot. ``inf`` where no way exists.
         """
         points = [(s.aisle, s.block, self.offset(s)) for s in places if isinstance(s, Slot)]
-        return self.graph().distance_matrix(points, self.doors)
+        return self.graph().distance_matrix(points, self.ways_out, self.ways_back)
 
     def way(self, start: Place | None, end: Place | None) -> list[tuple[float, float]]:
         """Return the corner points of a shortest way; ``None`` stands for the depot."""
         graph, ways = self.graph(), []
-        for first, out in self._spots(start):
-            for last, back in self._spots(end):
+        for first, out in self._spots(start, self.ways_out):
+            for last, back in self._spots(end, self.ways_back):
                 points = graph.way(first, last)
                 length = out + sum(dist(a, b) for a, b in pairwise(points)) + back
                 ways.append((length, points))
@@ -270,10 +343,12 @@ class AisleWarehouse:
         height = self.cross_aisle_heights[self.depot_cross_aisle]
         return [(self.depot[0], height)] if self.depot_offset else []
 
-    def _spots(self, place: Place | None) -> Sequence[tuple[InAisle | Crossing, float]]:
+    def _spots(
+        self, place: Place | None, doors: Sequence[Door]
+    ) -> Sequence[tuple[InAisle | Crossing, float]]:
         """Return where ways to a place end, and how far it is from there."""
         if place is None:
-            return self.doors
+            return doors
         assert isinstance(place, Slot)
         return [((place.aisle, place.block, self.offset(place)), 0.0)]
 

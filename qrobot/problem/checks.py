@@ -8,6 +8,7 @@ would let two names look alike that are not.
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Sequence
 
 from qrobot.errors import InputError
 
@@ -40,6 +41,38 @@ def check_index(value: int, field: str, *, count: int) -> None:
             f"{value} is outside the layout",
             field=field,
             advice=f"use 0 to {count - 1}" if count else "remove it",
+        )
+
+
+def check_direction(
+    where: str, field: str, towards: str, known: Sequence[str], closed: bool, both: bool
+) -> None:
+    """Raise `InputError` when a one-way part leads nowhere, both ways, or is closed.
+
+    Parameters
+    ----------
+    where, field
+        The part, and its path in a document.
+    towards, known
+        Where it leads, and where such a part may lead.
+    closed, both
+        Whether it is closed, and whether it has both directions.
+    """
+    if towards not in known:
+        raise InputError(
+            f"{towards!r} is not a direction",
+            field=f"{field}.towards",
+            advice=f"use {' or '.join(known)}",
+        )
+    if closed:
+        raise InputError(
+            f"{where} is closed and has a direction",
+            field=field,
+            advice="open it, or leave its direction out",
+        )
+    if both:
+        raise InputError(
+            f"{where} is one-way in both directions", field=field, advice="keep one, or neither"
         )
 
 

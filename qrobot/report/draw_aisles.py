@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import Any
 
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.patches import Rectangle
+from matplotlib.patches import FancyArrowPatch, Rectangle
 
 from qrobot.problem import AisleWarehouse, Slot
 from qrobot.report.canvas import Canvas, Sheet
@@ -23,6 +23,7 @@ __all__ = ["draw_aisles", "draw_panels"]
 
 RACK, CLOSED = "#d5dbe2", "#f3d9d9"
 HATCH = "#b4545c"
+ONE_WAY = "#8a95a3"
 NOT_PICKED = Colour("#9aa5b1", "#5b6673")
 
 
@@ -34,6 +35,8 @@ def draw_aisles(scene: Scene) -> Any:
     patches = [("slot; numbers: stops in sequence", RACK, "")]
     if house.closed_aisles or house.closed_crossings:
         patches.append(("closed", CLOSED, "////"))
+    if house.is_one_way:
+        patches.append(("arrows of this colour: one-way", ONE_WAY, ""))
     canvas = Canvas(scene, *_extent(racks), patches)
     _draw_all(canvas.main, scene, racks)
     for journey, own in canvas.panels:
@@ -46,6 +49,7 @@ def _draw_all(drawn: Map, scene: Scene, racks: Racks) -> None:
     _floor(drawn, racks)
     _slots(drawn, racks)
     _closed(drawn, racks)
+    _one_ways(drawn, racks)
     lines, look = _ways(drawn, scene.journeys, racks, most=2.5, every=110)
     for journey, line in zip(scene.journeys, lines, strict=True):
         drawn.halts(journey, line.stops, size=max(1.2, 1.9 * look.line))
@@ -81,6 +85,7 @@ def _draw_small(drawn: Map, journeys: Sequence[Journey], racks: Racks) -> None:
     _floor(drawn, racks)
     _racks(drawn, racks)
     _closed(drawn, racks)
+    _one_ways(drawn, racks)
     lines, _ = _ways(drawn, journeys, racks, most=1.5, every=60)
     for journey, line in zip(journeys, lines, strict=True):
         drawn.stops(journey, line.stops)
@@ -167,6 +172,25 @@ def _closed(drawn: Map, racks: Racks) -> None:
                 gid=f"{drawn.prefix}closed-{n}",
             )
         )
+
+
+def _one_ways(drawn: Map, racks: Racks) -> None:
+    """Draw an arrow along each part that is walked in one direction only."""
+    for n, (first, last) in enumerate(racks.one_ways(), 1):
+        arrow = FancyArrowPatch(
+            first,
+            last,
+            arrowstyle="-|>",
+            mutation_scale=10,
+            shrinkA=2,
+            shrinkB=2,
+            lw=0.8,
+            ls=(0, (1, 2)),
+            color=ONE_WAY,
+            zorder=2.5,
+            gid=f"{drawn.prefix}one-way-{n}",
+        )
+        drawn.axes.add_artist(arrow)
 
 
 def _picks(drawn: Map, scene: Scene, racks: Racks, lines: list[Track]) -> None:

@@ -12,6 +12,9 @@ __all__ = ["Box", "Racks"]
 Box = tuple[float, float, float, float]
 """Left, bottom, width and height."""
 
+BESIDE = 0.6
+"""Of half an aisle's width: where the arrow of a direction is."""
+
 
 class Racks:
     """The floor of an aisle warehouse to scale.
@@ -84,6 +87,27 @@ class Racks:
             x, y = aisle * house.aisle_pitch, house.cross_aisle_heights[cross]
             length = house.aisle_pitch - 2 * self.aisle
             yield x + self.aisle, y - self.cross, length, 2 * self.cross
+
+    def one_ways(self) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
+        """Yield the ends of the arrows of one-way parts: where they begin and lead to.
+
+        They are beside the middle, where the trips are drawn.
+        """
+        house = self.house
+        for aisle, block, towards in sorted(house.one_way_aisles):
+            x, ends = (
+                aisle * house.aisle_pitch + BESIDE * self.aisle,
+                house.cross_aisle_heights[block : block + 2],
+            )
+            low, high = ends[0] + self.cross, ends[1] - self.cross
+            first, last = (low, high) if towards == "back" else (high, low)
+            yield (x, first), (x, last)
+        for cross, aisle, towards in sorted(house.one_way_crossings):
+            y = house.cross_aisle_heights[cross] + BESIDE * self.cross
+            left = aisle * house.aisle_pitch + self.aisle
+            right = left + house.aisle_pitch - 2 * self.aisle
+            first, last = (left, right) if towards == "right" else (right, left)
+            yield (first, y), (last, y)
 
     def _slots(self, slot: int) -> Iterator[Slot]:
         """Yield the slots of one number in every block of every aisle, on both sides."""

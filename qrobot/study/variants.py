@@ -55,6 +55,8 @@ def _two_blocks(instance: Instance, house: AisleWarehouse) -> Instance:
         depot_cross_aisle=2 * house.depot_cross_aisle,
         closed_aisles=frozenset((a, b) for a, _ in house.closed_aisles for b in (0, 1)),
         closed_crossings=frozenset((2 * c, a) for c, a in house.closed_crossings),
+        one_way_aisles=frozenset((a, b, t) for a, _, t in house.one_way_aisles for b in (0, 1)),
+        one_way_crossings=frozenset((2 * c, a, t) for c, a, t in house.one_way_crossings),
     )
 
     def moved(place: Place) -> Place:

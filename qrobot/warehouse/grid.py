@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats
 from qrobot.problem import AisleWarehouse, Slot
+from qrobot.warehouse.one_way import refuse_one_way
 from qrobot.warehouse.states import PLAIN
 from qrobot.warehouse.sweep import Door, Ends
 
@@ -55,7 +56,8 @@ class Grid:
 
 
 def grid_of(warehouse: AisleWarehouse) -> Grid:
-    """Return the columns of a layout."""
+    """Return the columns of a layout without one-way aisles."""
+    refuse_one_way(warehouse, "the sweep over aisles")
     across = np.full((warehouse.aisles - 1, warehouse.blocks + 1), float(warehouse.aisle_pitch))
     along = np.tile(np.array(warehouse.block_lengths), (warehouse.aisles, 1))
     for cross, aisle in warehouse.closed_crossings:

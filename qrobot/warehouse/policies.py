@@ -107,7 +107,7 @@ def as_given(warehouse: AisleWarehouse, slots: Sequence[Slot]) -> Route:
 
 
 def shortest(warehouse: AisleWarehouse, slots: Sequence[Slot]) -> Route:
-    """Walk a shortest tour."""
+    """Walk a shortest tour; along one-way aisles past more than 15 stops, a good one."""
     tour = Router(warehouse, compiled=False).tour(slots)
     return _in_sequence(warehouse, slots, tour.sequence)
 
@@ -132,8 +132,8 @@ def route(warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str = "short
     ----------
     warehouse
         The layout. Policies other than ``shortest`` and ``as-given`` need every aisle and cross
-        aisle open, and the depot at the first or the last cross aisle; ``return`` and
-        ``midpoint`` need one block.
+        aisle open in both directions, and the depot at the first or the last cross aisle;
+        ``return`` and ``midpoint`` need one block.
     slots
         What is picked.
     policy
@@ -169,6 +169,8 @@ def _walk(
         reason = f"is a policy for one block, the warehouse has {warehouse.blocks}"
     elif warehouse.closed_aisles or warehouse.closed_crossings:
         reason = "is a policy for open aisles, some are closed"
+    elif warehouse.is_one_way:
+        reason = "is a policy for aisles that are walked both ways, some are one-way"
     elif len(warehouse.doors) > 1:
         reason = "is a policy for a depot at one aisle"
     elif 0 < warehouse.depot_cross_aisle < warehouse.blocks:

@@ -20,6 +20,7 @@ from qrobot.problem import AisleWarehouse, Slot
 from qrobot.warehouse.ends import OnCrossAisle, ends_of
 from qrobot.warehouse.grid import Grid, grid_of, part_costs, positions_of
 from qrobot.warehouse.inside import InAisle, prices_inside, walks_inside
+from qrobot.warehouse.one_way import one_way_tour
 from qrobot.warehouse.states import MAX_CROSS_AISLES, VERTICAL
 from qrobot.warehouse.sweep import Door, Ends, Inside, sweep
 
@@ -43,10 +44,13 @@ class Tour:
         Metres; ``inf`` when a place cannot be reached.
     sequence
         Indices of the slots as they are passed first; empty when none can be reached.
+    is_shortest
+        Whether no tour is shorter: always, but along one-way aisles only up to 15 stops.
     """
 
     length: float
     sequence: tuple[int, ...]
+    is_shortest: bool = True
 
 
 class Router:
@@ -55,7 +59,7 @@ class Router:
     Parameters
     ----------
     warehouse
-        At most six cross aisles.
+        At most six cross aisles, unless some are one-way.
     compiled
         Whether numba finds the lengths; by default where it is installed.
 
@@ -66,13 +70,15 @@ class Router:
     """
 
     def __init__(self, warehouse: AisleWarehouse, *, compiled: bool | None = None) -> None:
+        self.warehouse = warehouse
+        if warehouse.is_one_way:
+            return
         if warehouse.blocks + 1 > MAX_CROSS_AISLES:
             raise InputError(
                 f"{warehouse.blocks + 1} cross aisles are more than {MAX_CROSS_AISLES}",
                 field="blocks",
                 advice="let a search find the sequence",
             )
-        self.warehouse = warehouse
         self.grid: Grid = grid_of(warehouse)
         self._compiled = _jit.available() if compiled is None else compiled
         self._open = self.grid.is_open
@@ -81,6 +87,8 @@ class Router:
         """Return the length of a shortest tour from the depot past all slots, metres."""
         if not slots:
             return 0.0
+        if self.warehouse.is_one_way:
+            return one_way_tour(self.warehouse, slots)[0]
         if self._compiled:
             from qrobot.warehouse.kernels import masks_of, tour_length  # takes a second to load
 
@@ -108,9 +116,16 @@ class Router:
             In any sequence.
         start, end
             Where it starts and ends; by default at the depot.
+
+        Raises
+        ------
+        InputError
+            When the layout has no such place, or one-way aisles and a place on a cross aisle.
         """
         if start is None and end is None and not slots:
             return Tour(0.0, ())
+        if self.warehouse.is_one_way:
+            return self._along_one_ways(slots, start, end)
         ends = ends_of(self.grid, self.warehouse, start, end)
         if not slots and np.isfinite(ends.direct):
             return Tour(ends.direct, ())
@@ -150,6 +165,23 @@ class Router:
             walked.reverse()
         sequence = [i for spot in walked if len(spot) == 3 for i in at.pop(spot, ())]
         return Tour(length, tuple(sequence))
+
+    def _along_one_ways(
+        self,
+        slots: Sequence[Slot],
+        start: Slot | OnCrossAisle | None,
+        end: Slot | OnCrossAisle | None,
+    ) -> Tour:
+        if isinstance(start, OnCrossAisle) or isinstance(end, OnCrossAisle):
+            raise InputError(
+                "along one-way aisles a tour starts and ends at the depot or at a slot",
+                field="start" if isinstance(start, OnCrossAisle) else "end",
+                advice="give the slot next to it",
+            )
+        for place in (start, end):
+            if place is not None:
+                self.warehouse.check(place)
+        return Tour(*one_way_tour(self.warehouse, slots, start, end))
 
     def _columns(self, *used: Iterable[int]) -> tuple[int, int]:
         """Return the columns that a shortest tour may use."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 
@@ -37,8 +38,10 @@ def test_both_ways_of_measuring_agree(drawn: tuple[Warehouse, list[Place]]) -> N
             assert math.isclose(ruler.leg(nodes[i], nodes[j]), matrix[i, j], abs_tol=1e-9)
 
 
-@given(aisle_warehouses(closed=True), st.data())
-def test_they_agree_around_closed_aisles(warehouse: AisleWarehouse, data: st.DataObject) -> None:
+@given(aisle_warehouses(closed=True) | aisle_warehouses(closed=True, one_way=True), st.data())
+def test_they_agree_around_closed_and_along_one_way_aisles(
+    warehouse: AisleWarehouse, data: st.DataObject
+) -> None:
     slots = [
         Slot(aisle, slot, block)
         for aisle in range(warehouse.aisles)
@@ -74,6 +77,28 @@ def test_a_stop_behind_closed_aisles_is_reported() -> None:
     report = check(plan, instance)
     assert [p.kind for p in report.problems] == ["unreachable"]
     assert report.to_dict()["distance"] is None
+
+
+def test_a_plan_that_goes_against_a_direction_is_refused() -> None:
+    """Along the arrows the way back is around the block."""
+    one_way = AisleWarehouse(aisles=2, slots=3, one_way_aisles=frozenset({(0, 0, "back")}))
+    item = Item("i1", Fraction(1), Slot(0, 0))
+    instance = Instance(one_way, (item,), (Order("i1", ("i1",)),), (Robot("R1", Fraction(5)),))
+    plan = Plan((Trip("R1", ("i1",), ("i1",), 2.0, 1.0, 2.0),), 2.0)
+    report = check(plan, instance)
+    assert [p.kind for p in report.problems] == ["distance", "total"]
+    assert "it is 14.0: the stated one goes against one-way aisles" in str(report.problems[0])
+    right = Plan((Trip("R1", ("i1",), ("i1",), 14.0, 1.0, 14.0),), 14.0)
+    assert check(right, instance).ok
+    shut = AisleWarehouse(
+        aisles=2,
+        slots=3,
+        one_way_aisles=frozenset({(0, 0, "back")}),
+        closed_aisles=frozenset({(1, 0)}),
+    )
+    report = check(right, replace(instance, warehouse=shut))
+    assert [p.kind for p in report.problems] == ["unreachable"]
+    assert "from i1 to depot" in str(report.problems[0])
 
 
 def test_a_thousand_items_are_measured_leg_by_leg() -> None:

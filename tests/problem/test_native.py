@@ -27,6 +27,8 @@ def test_reads_every_field(tmp_path: Path) -> None:
     assert one.warehouse.kind == "aisles"
     assert one.warehouse.closed_aisles == frozenset({(2, 1)})
     assert one.warehouse.closed_crossings == frozenset({(0, 1)})
+    assert one.warehouse.one_way_aisles == frozenset({(1, 0, "back")})
+    assert one.warehouse.one_way_crossings == frozenset({(1, 0, "left")})
     assert one.warehouse.end_gap == 1.5
     assert [i.weight for i in one.items] == [Fraction(1, 10), Fraction(3)]
     assert [(r.id, r.capacity, r.speed) for r in one.robots] == [

@@ -50,6 +50,42 @@ from qrobot.errors import InputError
         ("warehouse.depot.aisle", 3, "warehouse.depot.aisle: 3 is outside the layout; use 0 to 2"),
         ("warehouse.depot.distance", -1, "warehouse.depot.distance: -1.0 is not right; needed: gr"),
         ("warehouse.closed_aisles.0.block", 2, "warehouse.closed_aisles[].block: 2 is outside"),
+        (
+            "warehouse.one_way_aisles.0.towards",
+            "up",
+            "warehouse.one_way_aisles[0].towards: \"up\" is not right; needed: 'front' or 'back'",
+        ),
+        (
+            "warehouse.one_way_crossings.0.towards",
+            ...,
+            "warehouse.one_way_crossings[0].towards: is missing; add it",
+        ),
+        (
+            "warehouse.one_way_aisles.0",
+            {"aisle": 2, "block": 1, "towards": "back"},
+            "warehouse.one_way_aisles[]: block 1 of aisle 2 is closed and has a direction; open it",
+        ),
+        (
+            "warehouse.one_way_crossings.0",
+            {"cross_aisle": 0, "aisle": 1, "towards": "left"},
+            "warehouse.one_way_crossings[]: cross aisle 0 to the right of aisle 1 is closed",
+        ),
+        (
+            "warehouse.one_way_aisles",
+            [{"aisle": 1, "towards": "back"}, {"aisle": 1, "towards": "front"}],
+            "warehouse.one_way_aisles[]: block 0 of aisle 1 is one-way in both directions; keep",
+        ),
+        (
+            "warehouse.one_way_aisles.0.block",
+            2,
+            "warehouse.one_way_aisles[].block: 2 is outside the layout; use 0 to 1",
+        ),
+        (
+            "warehouse.one_way_crossings",
+            [{"cross_aisle": c, "aisle": 0, "towards": "right"} for c in range(3)],
+            "items[1].at: no way leads from the depot to items b and back; move the items, or open "
+            "an aisle or drop a direction",
+        ),
         ("robots", 3, "robots: 3 is not a fleet; give count and capacity, or a list of robots"),
         ("robots", [], "robots: an empty list is not right; needed: more entries"),
         ("robots.count", 0, "robots.count: 0 is not right; needed: greater than or equal to 1"),

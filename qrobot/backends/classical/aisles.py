@@ -28,11 +28,12 @@ KERNELS = (("batching/annealing.py", "_anneal"), ("generation/batches.py", "_lis
 
 
 def takes(instance: Instance) -> bool:
-    """Return whether the kernels take an instance: aisles, and numba is installed."""
+    """Return whether the kernels take an instance: aisles walked both ways, and numba is there."""
     warehouse = instance.warehouse
     return (
         isinstance(warehouse, AisleWarehouse)
         and warehouse.blocks < MAX_CROSS_AISLES
+        and not warehouse.is_one_way
         and bool(instance.orders)
         and _jit.available()
     )

@@ -50,6 +50,7 @@ def can_choose(instance: Instance) -> bool:
         bool(instance.demand)
         and isinstance(warehouse, AisleWarehouse)
         and warehouse.blocks < MAX_CROSS_AISLES
+        and not warehouse.is_one_way
         and is_installed("ortools")
     )
 

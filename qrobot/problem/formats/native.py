@@ -216,6 +216,10 @@ def _warehouse(document: Document) -> Warehouse:
             depot_distance=model.depot.distance,
             closed_aisles=frozenset((c.aisle, c.block) for c in model.closed_aisles),
             closed_crossings=frozenset((c.cross_aisle, c.aisle) for c in model.closed_crossings),
+            one_way_aisles=frozenset((c.aisle, c.block, c.towards) for c in model.one_way_aisles),
+            one_way_crossings=frozenset(
+                (c.cross_aisle, c.aisle, c.towards) for c in model.one_way_crossings
+            ),
             block_gaps=tuple((g.front, g.back) for g in model.block_gaps),
             depot_ways=tuple((way.aisle, way.distance) for way in model.depot.ways),
             depot_offset=model.depot.offset,
@@ -311,6 +315,10 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
         w = warehouse
         gaps = [{"front": front, "back": back} for front, back in w.block_gaps]
         ways = [{"aisle": aisle, "distance": length} for aisle, length in w.depot_ways]
+        along = [{"aisle": a, "block": b, "towards": t} for a, b, t in sorted(w.one_way_aisles)]
+        across = [
+            {"cross_aisle": c, "aisle": a, "towards": t} for c, a, t in sorted(w.one_way_crossings)
+        ]
         return {
             "kind": "aisles",
             "aisles": w.aisles,
@@ -331,6 +339,8 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
             "closed_crossings": [
                 {"cross_aisle": c, "aisle": a} for c, a in sorted(w.closed_crossings)
             ],
+            **({"one_way_aisles": along} if along else {}),
+            **({"one_way_crossings": across} if across else {}),
         }
     if isinstance(warehouse, OpenFloor):
         return {

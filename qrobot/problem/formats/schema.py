@@ -110,6 +110,18 @@ class CrossingModel(_Strict):
     aisle: Index
 
 
+class OneWayAisleModel(SubAisleModel):
+    """A sub-aisle that pickers walk towards its front or its back only."""
+
+    towards: Literal["front", "back"]
+
+
+class OneWayCrossingModel(CrossingModel):
+    """A part of a cross aisle that pickers walk to the left or to the right only."""
+
+    towards: Literal["left", "right"]
+
+
 class GapsModel(_Strict):
     """From the middles of a block's two cross aisles to the nearest slots, metres."""
 
@@ -130,6 +142,8 @@ class AislesModel(_Strict):
     depot: DepotModel = DepotModel()
     closed_aisles: list[SubAisleModel] = []
     closed_crossings: list[CrossingModel] = []
+    one_way_aisles: list[OneWayAisleModel] = []
+    one_way_crossings: list[OneWayCrossingModel] = []
     block_gaps: list[GapsModel] = []
 
 
