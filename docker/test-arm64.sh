@@ -71,8 +71,9 @@ run "${releases%% *}" arm64 python3 /docker/plans.py make /reports/plans-arm64.j
 step 'the same on x86-64'
 plans() { # ARGUMENT...
   if [ -n "${X86_PYTHON:-}" ]; then
-    # As in the images: no kernels of an earlier compilation, and none made for these plans.
-    (cd "$out" && QROBOT_COMPILE=0 NUMBA_CACHE_DIR="$out/numba" OPENBLAS_NUM_THREADS=1 \
+    # As in the image: the kernels of an earlier compilation are those of another processor, and none
+    # are made for these plans.
+    (cd "$out" && QROBOT_COMPILE=0 NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR="$out/numba" OPENBLAS_NUM_THREADS=1 \
       "$X86_PYTHON" "$here/docker/plans.py" "$@")
   else
     run "${releases%% *}" amd64 sh -c 'cd /reports && exec python3 /docker/plans.py "$@"' plans "$@"

@@ -5,18 +5,25 @@ read-only (a container, a service without a home) it raises ``no locator availab
 code goes into a folder of our own below the system's temporary folder. Compiled code is loaded
 by unpickling, so that folder must belong to this user and be closed to others; otherwise
 nothing is cached. A folder named by NUMBA_CACHE_DIR is taken as it is.
+
+Images and releases bring machine code along, beside the package, where their users cannot write
+and numba therefore does not look. From there it is copied to where numba does: 2 MB, once.
 """
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import importlib
+import inspect
 import os
+import shutil
 import stat
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from qrobot._extras import is_installed
 
@@ -64,14 +71,14 @@ def compile_kernel(
         return _jit(numba, function, sums, inline, cache=False)
     if not numba.config.CACHE_DIR:
         try:
-            return _jit(numba, function, sums, inline, cache=True)
+            return _brought(_jit(numba, function, sums, inline, cache=True), function)
         except RuntimeError:  # no locator available
             folder = private_folder()
             if folder is None:
                 return _jit(numba, function, sums, inline, cache=False)
             numba.config.CACHE_DIR = str(folder)
     try:
-        return _jit(numba, function, sums, inline, cache=True)
+        return _brought(_jit(numba, function, sums, inline, cache=True), function)
     except RuntimeError:
         return _jit(numba, function, sums, inline, cache=False)
 
@@ -86,6 +93,23 @@ def _jit(
     return made
 
 
+def _brought(kernel: Any, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a kernel, with the machine code that came along where numba looks for it."""
+    source = Path(inspect.getfile(function))
+    folder = Path(kernel.stats.cache_path)
+    with contextlib.suppress(OSError):  # then it is compiled
+        for index in (source.parent / "__pycache__").glob(_index_of(source, function.__name__)):
+            mine = folder / index.name
+            if mine == index or _is_fresh(mine, source) or not _is_fresh(index, source):
+                continue
+            # The index last: what it names is there. Each by one rename, as numba itself does.
+            for file in [*index.parent.glob(f"{index.stem}.*.nbc"), index]:
+                part = folder / f"{file.name}.{os.getpid()}.part"
+                shutil.copyfile(file, part)
+                part.replace(folder / file.name)
+    return cast("Callable[..., Any]", kernel)
+
+
 def is_cached(source: Path, name: str) -> bool:
     """Return whether a kernel was compiled by an earlier process, without importing numba.
 
@@ -96,14 +120,32 @@ def is_cached(source: Path, name: str) -> bool:
     name
         Its function.
     """
-    pattern = f"{source.stem}.{name}-*.py{sys.version_info[0]}{sys.version_info[1]}.nbi"
+    pattern = _index_of(source, name)
     named = os.environ.get("NUMBA_CACHE_DIR")
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
     shared = [Path(named)] if named else [home, private_folder()]
-    found = [] if named else [*(source.parent / "__pycache__").glob(pattern)]
+    found = [*(source.parent / "__pycache__").glob(pattern)]
     found += [file for folder in shared if folder for file in folder.glob(f"*/{pattern}")]
-    changed = source.stat().st_mtime
-    return any(file.stat().st_mtime >= changed for file in found)
+    return any(_is_fresh(index, source) for index in found)
+
+
+def _index_of(source: Path, name: str) -> str:
+    """Return a pattern of the name that numba gives the index of a kernel."""
+    return f"{source.stem}.{name}-*.py{sys.version_info[0]}{sys.version_info[1]}.nbi"
+
+
+def _is_fresh(index: Path, source: Path) -> bool:
+    """Return whether an index is there and of the source as it is now.
+
+    numba writes the hash of the source into it, and for which processor it has machine code: that
+    which NUMBA_CPU_NAME names must be among them. What it finds itself is not asked for here,
+    because that takes an import of numba.
+    """
+    try:
+        written, digest = index.read_bytes(), hashlib.sha256(source.read_bytes()).digest()
+    except OSError:
+        return False
+    return digest in written and os.environ.get("NUMBA_CPU_NAME", "").encode() in written
 
 
 def private_folder() -> Path | None:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import os
+import platform
+import shutil
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +15,8 @@ from typing import Any
 import pytest
 
 from qrobot import _jit as jit
+
+PROJECT = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture
@@ -34,10 +40,15 @@ def test_a_link_of_somebody_else_is_refused(temporary: Path) -> None:
     assert jit.private_folder() is None
 
 
+def twice(x: int) -> int:
+    return 2 * x
+
+
 class FakeNumba:
     """numba, with a cache that works only from a given number of folders on."""
 
-    def __init__(self, folders: int) -> None:
+    def __init__(self, folders: int, place: Path) -> None:
+        self.place = place
         self.config = SimpleNamespace(CACHE_DIR="")
         self.folders = folders
         self.kept: list[bool] = []
@@ -48,14 +59,15 @@ class FakeNumba:
             if self.folders < 0:
                 raise RuntimeError("cannot cache function: no locator available")
         self.kept.append(cache)
-        return lambda function: function
+        stats = SimpleNamespace(cache_path=str(self.place))
+        return lambda function: SimpleNamespace(py_func=function, stats=stats)
 
 
 @pytest.mark.parametrize(("locators", "kept"), [("all", True), ("ours", True), ("none", False)])
 def test_without_a_locator_the_cache_moves_or_goes(
     temporary: Path, monkeypatch: pytest.MonkeyPatch, locators: str, kept: bool
 ) -> None:
-    fake = FakeNumba({"all": 9, "ours": 0, "none": 0}[locators])
+    fake = FakeNumba({"all": 9, "ours": 0, "none": 0}[locators], temporary)
     monkeypatch.setattr(jit.importlib, "import_module", lambda _: fake)
     if locators == "ours":
         real = fake.njit
@@ -65,9 +77,78 @@ def test_without_a_locator_the_cache_moves_or_goes(
             return real(cache=cache, **rest)
 
         fake.njit = njit  # type: ignore[method-assign]
-    assert jit.compile_kernel(abs) is abs
+    assert jit.compile_kernel(twice).py_func is twice
     assert fake.kept == [kept]
     assert bool(fake.config.CACHE_DIR) is (locators != "all")
+
+
+KERNEL = """
+from qrobot._jit import compile_kernel
+def twice(x):
+    return 2 * x
+twice = compile_kernel(twice)
+"""
+
+ASK = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from package import kernels
+from pathlib import Path
+from qrobot._jit import is_cached
+known = is_cached(Path(kernels.__file__), "twice")
+assert kernels.twice(21) == 42
+stats = kernels.twice.stats
+print(known, sum(stats.cache_hits.values()), stats.cache_path)
+"""
+
+
+def ask(root: Path, **environment: str) -> list[str]:
+    """Call a kernel in a process of its own; is it cached, was it loaded, and from where."""
+    # An account that may write where the mode forbids it loses that right.
+    bound = ["setpriv", "--bounding-set=-dac_override"] if os.getuid() == 0 else []
+    done = subprocess.run(
+        [*bound, sys.executable, "-c", ASK, root],
+        env={"PATH": os.environ["PATH"], "PYTHONPATH": str(PROJECT), "HOME": "/"} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+@pytest.mark.skipif(not jit.available(), reason="numba is not installed")
+@pytest.mark.skipif(shutil.which("setpriv") is None, reason="setpriv is not installed")
+def test_machine_code_that_came_along_is_used_by_those_who_cannot_write_there(
+    tmp_path: Path,
+) -> None:
+    """A release or an image: compiled by its owner beside the package, run by another account."""
+    source, cache = tmp_path / "package/kernels.py", tmp_path / "cache"
+    beside = source.parent / "__pycache__"
+    beside.mkdir(parents=True)
+    source.write_text(KERNEL)
+    processor = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    assert ask(tmp_path, **processor) == ["False", "0", str(beside)]
+    assert ask(tmp_path, **processor) == ["True", "1", str(beside)]
+    beside.chmod(0o555)
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "TMPDIR"):
+        place = cache / name
+        place.mkdir(parents=True)
+        closed = {"XDG_CACHE_HOME": "/proc/none"} if name == "TMPDIR" else {}
+        # Another processor's machine code is neither promised nor run.
+        other = processor | {"NUMBA_CPU_NAME": "core2", name: str(place)} | closed
+        if name == "NUMBA_CACHE_DIR" and platform.machine() == "x86_64":
+            assert ask(tmp_path, **other)[:2] == ["False", "0"]
+        known, hits, path = ask(tmp_path, **processor | {name: str(place)} | closed)
+        assert (known, hits) == ("True", "1")
+        assert path.startswith(str(place))
+    # A source that was changed since is compiled anew, whatever the dates say.
+    times = source.stat().st_atime, source.stat().st_mtime
+    source.write_text(KERNEL.replace("2 * x", "x + 21"))
+    os.utime(source, times)
+    place = cache / "NUMBA_CACHE_DIR"
+    known, hits, _ = ask(tmp_path, **processor, NUMBA_CACHE_DIR=str(place))
+    assert (known, hits) == ("False", "0")
 
 
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")

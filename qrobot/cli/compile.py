@@ -16,7 +16,8 @@ def command(as_json: bool) -> None:
 
     Takes half a minute of one x86-64 core, and a second when it was done before. The machine
     code is kept in numba's cache: beside the package, or in the user's cache folder, or where
-    NUMBA_CACHE_DIR says.
+    NUMBA_CACHE_DIR says. What the owner of an installation compiles beside the package is
+    used by all.
 
     \b
     Examples:

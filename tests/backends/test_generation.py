@@ -1,5 +1,6 @@
 """Batches of whole orders in aisles: proven against every partition, and by any search."""
 
+import hashlib
 import sys
 from dataclasses import replace
 from typing import Any
@@ -164,15 +165,24 @@ def test_without_compiled_kernels_a_short_run_plans_all_the_same(
 
 def test_the_cache_is_found_where_numba_keeps_it(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = tmp_path / "kernels.py"
-    source.write_text("")
+    source.write_text("text")
+    monkeypatch.delenv("NUMBA_CPU_NAME", raising=False)
     cache_folder = tmp_path / "cache"
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(cache_folder))
     assert not _jit.is_cached(source, "sweep")
     tag = f"py{sys.version_info[0]}{sys.version_info[1]}"
     (cache_folder / "here_abc").mkdir(parents=True)
-    (cache_folder / "here_abc" / f"kernels.sweep-12.{tag}.nbi").write_text("")
+    index = cache_folder / "here_abc" / f"kernels.sweep-12.{tag}.nbi"
+    index.write_bytes(b"0.68" + hashlib.sha256(b"text").digest() + b"cortex-a72")
     assert _jit.is_cached(source, "sweep")
     assert not _jit.is_cached(source, "other")
+    monkeypatch.setenv("NUMBA_CPU_NAME", "cortex-a72")
+    assert _jit.is_cached(source, "sweep")
+    monkeypatch.setenv("NUMBA_CPU_NAME", "cortex-a76")
+    assert not _jit.is_cached(source, "sweep")
+    monkeypatch.delenv("NUMBA_CPU_NAME")
+    source.write_text("other")
+    assert not _jit.is_cached(source, "sweep")
 
 
 def test_a_limit_of_work_ends_a_proof_and_repeats_it() -> None:

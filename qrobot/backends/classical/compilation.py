@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import time
 
+import numpy as np
+
 from qrobot._extras import load
 from qrobot.backends.base import Stop
 from qrobot.backends.classical.generation import generate
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
+from qrobot.warehouse.scattered import Offer, network_of
 
 __all__ = ["compile_searches"]
 
@@ -22,8 +25,19 @@ def compile_searches() -> float:
     """
     load("numba", "compiling the searches")
     begun = time.perf_counter()
+    # These import numba.
+    from qrobot.backends.classical.batching.aisle_lots import AisleTours
+    from qrobot.backends.classical.generation.cuts import violated_cuts
+    from qrobot.warehouse.prices import relax
+
     for blocks in (1, 2):
         generate(_orders(blocks), Stop(max_work=4))
+    AisleTours(_orders(1)).common(0, np.arange(1, 3))
+    # A proof may end without a cut; three orders that share halves of batches always have one.
+    halves, random = np.full(3, 0.5), np.random.default_rng(0)
+    violated_cuts([(0, 1), (0, 2), (1, 2)], halves, 3, 1, 0.1, set(), random)
+    offers = [Offer(0, Slot(aisle, aisle), 1) for aisle in range(3)]
+    relax(network_of(AisleWarehouse(5, 9), offers, [2]))
     return time.perf_counter() - begun
 
 

@@ -59,10 +59,14 @@ def build(
     install += ["--requirement", target / "requirements.txt"]
     _run(install, target.name, scratch, held)
     (target / ".lock").unlink(missing_ok=True)  # uv's own, writable for all
+    # Machine code of the searches, beside the package: its users and services read it there, and
+    # it goes with the release.
+    if any(target.glob("lib/python*/site-packages/numba-*.dist-info")):
+        _run([target / "bin" / "qrobot", "compile"], target.name, scratch, held)
 
 
 def _run(command: list[Any], release: str, scratch: Path, held: tuple[int, ...]) -> None:
-    """Run uv with a clean environment."""
+    """Run uv, or a program of the release, with a clean environment."""
     place = {
         "PATH": "/usr/bin:/bin",
         "HOME": str(scratch),
@@ -85,6 +89,9 @@ def _run(command: list[Any], release: str, scratch: Path, held: tuple[int, ...])
         raise ReleaseError(f"cannot run {command[0]}: {error.strerror}", 2) from None
     if done.returncode:
         reason = last_error(done.stderr or done.stdout)
-        full = "No space left" in reason
-        advice = "make room" if full else "collect its wheels again"
+        advice = "collect its wheels again"
+        if "No space left" in reason:
+            advice = "make room"
+        elif command[-1] == "compile":
+            reason, advice = f"its searches were not compiled: {reason}", "look at its numba"
         raise ReleaseError(f"the release {release} was not installed: {reason}: {advice}")
