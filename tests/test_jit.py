@@ -90,8 +90,6 @@ twice = compile_kernel(twice)
 """
 
 ASK = """
-import sys
-sys.path.insert(0, sys.argv[1])
 from package import kernels
 from pathlib import Path
 from qrobot._jit import is_cached
@@ -107,8 +105,9 @@ def ask(root: Path, **environment: str) -> list[str]:
     # An account that may write where the mode forbids it loses that right.
     bound = ["setpriv", "--bounding-set=-dac_override"] if os.getuid() == 0 else []
     done = subprocess.run(
-        [*bound, sys.executable, "-c", ASK, root],
-        env={"PATH": os.environ["PATH"], "PYTHONPATH": str(PROJECT), "HOME": "/"} | environment,
+        [*bound, sys.executable, "-c", ASK],
+        env={"PATH": os.environ["PATH"], "PYTHONPATH": f"{PROJECT}:{root}", "HOME": "/"}
+        | environment,
         capture_output=True,
         text=True,
         check=False,

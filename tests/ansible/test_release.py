@@ -88,40 +88,6 @@ def broken(tmp_path: Path) -> dict[str, Any]:
     return entry(path)
 
 
-COMPILING = """
-import pathlib, sys
-if sys.argv[1:] == ["compile"]:
-    pathlib.Path(__file__).with_name("__pycache__").joinpath("kernel.nbi").touch()
-"""
-
-
-def test_the_searches_are_compiled_when_a_release_is_made_and_go_with_it(tmp_path: Path) -> None:
-    ours = wheel(tmp_path / "wheels", "qrobot", "1.0", COMPILING)
-    compiler = wheel(tmp_path / "wheels", "numba", "1.0")
-    made, _ = real(tmp_path, lock(ours), "plain")
-    assert not list(made.folder.rglob("*.nbi"))  # the profile base has no numba
-    mask = os.umask(0o077)
-    try:
-        real(tmp_path, lock(ours, compiler), "a")
-    finally:
-        os.umask(mask)
-    (kept,) = made.folder.rglob("*.nbi")
-    assert kept.parent.name == "__pycache__"
-    for path in [kept, *kept.parents[: len(kept.relative_to(made.root).parts)]]:
-        assert path.stat().st_mode & 0o044 == 0o044, path
-    before = kept.stat().st_mtime_ns
-    assert real(tmp_path, lock(ours, compiler), "a")[1] == ("a", False)
-    assert kept.stat().st_mtime_ns == before
-    assert made.verify("a") == {"count": 0, "differences": []}
-    made.discard("a")
-    assert not kept.exists()
-
-    broken = wheel(tmp_path / "wheels", "qrobot", "1.1", "raise SystemExit('no such processor')\n")
-    with pytest.raises(release.ReleaseError, match=r"not compiled: no such processor"):
-        real(tmp_path, lock(broken, compiler), "b")
-    assert not (made.folder / "b").exists()
-
-
 @pytest.mark.parametrize(
     ("made_wrong", "says"),
     [
