@@ -199,7 +199,7 @@ def written(*names: str, **more: Any) -> Callable[[Function], Function]:
 OWN_FLAGS = {
     **{
         name: f"use --{name}"
-        for name in ("backend", "control", "deadline", "fallback", "objective", "seed")
+        for name in ("backend", "control", "deadline", "fallback", "objective", "routing", "seed")
     },
     "max_cost": "use --max-cost",
     "max_work": "use --max-work",

@@ -44,6 +44,13 @@ __all__ = ["command"]
 )
 @click.option("--max-work", type=int, help="Limit of work units: repeatable plans on any machine.")
 @objective
+@click.option(
+    "--routing",
+    default="exact",
+    show_default=True,
+    help="How trips are walked: exact, or by a policy: s-shape, return, midpoint, largest-gap, "
+    "combined or aisle-by-aisle.",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of every random choice.")
 @reading_options
 @click.option("--encoding", help="Sampler: full, reduced, compact or batches.")
@@ -138,6 +145,7 @@ def command(
                     f"--{name}": asked[name] for name in ("control", "fallback", "deadline")
                 }
                 _refuse("--dry-run" if dry_run else "--no-wait", useless)
+                useless["--routing"] = asked["routing"] != "exact"
                 part = _estimate if dry_run else _hand_over
                 part(instance, backend, asked, options, as_json)
                 return

@@ -20,6 +20,7 @@ from qrobot.plan.objective import OBJECTIVES
 from qrobot.plan.picks import as_picked
 from qrobot.plan.plan import Plan, Trip
 from qrobot.plan.ruler import Ruler
+from qrobot.plan.rules import rule_of
 from qrobot.problem.entities import Item, Robot
 from qrobot.problem.instance import Instance
 from qrobot.problem.warehouse import Place
@@ -31,7 +32,7 @@ ABSOLUTE = 1e-9
 
 Kind = Literal[
     "missing", "repeated", "unknown", "orders", "split", "overload", "load", "robot", "turns",
-    "empty", "unreachable", "distance", "time", "total", "cost", "stock", "quantity",
+    "empty", "unreachable", "distance", "time", "total", "cost", "stock", "quantity", "routing",
 ]  # fmt: skip
 
 
@@ -47,7 +48,8 @@ class Problem:
         an unknown ``robot``; too many ``turns`` of one; an ``empty`` trip; an
         ``unreachable`` stop (a way that does not exist); a wrong driving ``time``; a wrong
         ``total``, or ``cost`` by the objective; more taken from a place than its ``stock``; a
-        ``quantity`` of an article that is not what an order asks for.
+        ``quantity`` of an article that is not what an order asks for; a ``routing`` that is no
+        policy for this warehouse, or stops in a sequence that it does not take.
     text
         One sentence with the numbers.
     """
@@ -126,8 +128,9 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         known and make no more trips than they may; no trip is empty; loads, driving times,
         the distance of every trip, the total and the cost by the plan's objective are stated
         right (relative tolerance 1e-6); every way exists; of articles with a stock no place gives
-        more than it has, and each order gets what it asks for. A driving time of 0 counts as
-        not stated.
+        more than it has, and each order gets what it asks for. Under a routing policy distances
+        are those of its ways, in which the stops have their sequence. A driving time of 0 counts
+        as not stated.
     """
     problems = list(_stock(plan, instance))
     instance = as_picked(instance, plan.picks, with_stock=False)
@@ -136,12 +139,20 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
     items = {item.id: item for item in instance.items}
     ruler = Ruler(instance.warehouse)
     both_ways = ruler.both_ways()
+    rule = None
+    if plan.routing != "exact":
+        rule, reason = rule_of(plan.routing, instance.warehouse)
+        if rule is None:
+            problems.append(Problem("routing", f"the routing {plan.routing!r} {reason}"))
     objective = OBJECTIVES[plan.objective]
     total = cost = 0.0
     for number, trip in enumerate(plan.trips, 1):
         stops = [stop for stop in trip.stops if stop in items]  # the others are reported above
         load = sum((items[stop].weight for stop in stops), Fraction(0))
         length = ruler.trip(items[stop].place for stop in stops)
+        if rule is not None:
+            direct, length = length, rule(items[stop].place for stop in stops)
+            problems += _sequence(number, plan.routing, direct, length)
         total += length
         robot = robots.get(trip.robot)
         picked = [items[stop] for stop in stops]
@@ -281,6 +292,16 @@ def _trip(
             "time",
             f"trip {number} states {trip.seconds!r} s, at {robot.speed:.12g} m/s it takes "
             f"{length / robot.speed!r} s",
+        )
+
+
+def _sequence(number: int, routing: str, direct: float, length: float) -> Iterator[Problem]:
+    """Compare the shortest ways from stop to stop with the way of the policy past all of them."""
+    if direct > length and not _agree(direct, length):
+        yield Problem(
+            "routing",
+            f"trip {number} needs {direct!r} for its stops in this sequence, the way of {routing} "
+            f"past them is {length!r}",
         )
 
 

@@ -81,6 +81,8 @@ class Plan:
         What it costs by that objective; ``None``: its distance.
     picks
         What is taken from which place, of articles that have a stock.
+    routing
+        How trips are walked: by shortest ways from stop to stop (``exact``), or by a policy.
     """
 
     trips: tuple[Trip, ...]
@@ -90,6 +92,7 @@ class Plan:
     objective: str = "distance"
     value: float | None = None
     picks: tuple[Pick, ...] = ()
+    routing: str = "exact"
 
     @property
     def cost(self) -> float:
@@ -164,6 +167,7 @@ class Plan:
             objective=objective.name,
             value=None if objective is DISTANCE else cost(instance, kept, objective),
             picks=picks_of(instance),
+            routing=instance.routing,
         )
 
     def routes(self, instance: Instance) -> list[list[int]]:
@@ -182,6 +186,7 @@ class Plan:
             "schema": PLAN_SCHEMA,
             "instance": self.instance,
             "split_orders": self.split,
+            "routing": self.routing,
             "distance": self.distance,
             "objective": self.objective,
             "cost": self.cost,
@@ -242,6 +247,7 @@ class Plan:
             objective=objective,
             value=None if objective == "distance" and value == distance else value,
             picks=top.take("picks", _picks, ()),
+            routing=top.take("routing", _text, "exact"),
         )
 
 

@@ -52,7 +52,8 @@ HELPED_SECONDS = 3.0
 
 def choose_search(instance: Instance) -> Planner:
     """Return the best search that is installed and keeps what must stay together."""
-    pyvrp = available("pyvrp") and not instance.whole_orders
+    exact = instance.routing == "exact"
+    pyvrp = available("pyvrp") and not instance.whole_orders and exact
     return get_planner("pyvrp" if pyvrp else "batching")
 
 

@@ -29,6 +29,7 @@ from qrobot.planning.strategy import (
 from qrobot.problem import Instance
 from qrobot.problem.fleets import what_is_enough
 from qrobot.problem.formats import instance_of
+from qrobot.warehouse import under_policy
 
 __all__ = [
     "DEFAULT_DEADLINE",
@@ -40,6 +41,9 @@ __all__ = [
 ]
 
 T = TypeVar("T")
+
+UNDER_POLICIES = ("auto", "exact", "batching", "fcfs", "seed", "savings")
+"""Backends that batch orders for the lengths of a policy's ways."""
 
 
 def solve(
@@ -53,6 +57,7 @@ def solve(
     max_cost: float | None = None,
     fallback: str | None = None,
     objective: str = "distance",
+    routing: str = "exact",
     stop: Stop | None = None,
     on_progress: Callable[[Progress], None] | None = None,
     **options: Any,
@@ -87,6 +92,10 @@ def solve(
     objective
         What shall be small: ``distance``, or ``time``, the seconds that all robots together
         drive and collect.
+    routing
+        How trips are walked: ``exact``, by shortest tours, or by a policy: ``s-shape``,
+        ``return``, ``midpoint``, ``largest-gap``, ``combined`` or ``aisle-by-aisle``, in one block
+        of aisles. Orders are then batched for the lengths of its ways.
     stop
         A stop that the caller can `request` from another thread.
     on_progress
@@ -120,10 +129,11 @@ def solve(
         max_cost=max_cost,
         fallback=fallback,
         objective=objective,
+        routing=routing,
         stop=stop,
         on_progress=on_progress,
     )
-    instance = instance_of(instance)
+    instance = under_policy(instance_of(instance), routing)
     limits = Stop(deadline, max_work, parent=stop)
     aim = objective_named(objective)
 
@@ -145,12 +155,14 @@ def solve(
         strategy = strategy_of(backend)
         strategy.take(options, control=control, max_cost=max_cost)
         check_objective(strategy, aim, instance)
+        _check_routing(strategy, instance)
         return answer(backend, strategy)
 
     if fallback is None:
         return first()
     second = _local(fallback)
     check_objective(second, aim, instance)
+    _check_routing(second, instance)
 
     def instead(name: str) -> Result:
         known = second.known_options(options)
@@ -272,6 +284,16 @@ def check_objective(strategy: Strategy, objective: Objective, instance: Instance
         )
 
 
+def _check_routing(strategy: Strategy, instance: Instance) -> None:
+    """Refuse a backend that knows shortest tours only."""
+    if instance.routing != "exact" and strategy.name not in UNDER_POLICIES:
+        raise InputError(
+            f"backend {strategy.name} plans shortest tours only",
+            field="routing",
+            advice=f"use one of: {', '.join(UNDER_POLICIES)}",
+        )
+
+
 def result_of(run: Run, backend: str) -> Result:
     """Return the checked result of a run that is over.
 
@@ -288,7 +310,8 @@ def result_of(run: Run, backend: str) -> Result:
     if best.routes is None:
         raise InfeasibleError(_no_plan(run), proven=False)
     proven = run.finished
-    plan = Plan.from_routes(run.instance, best.routes, best.objective)
+    routes = run.instance.in_sequence(best.routes)
+    plan = Plan.from_routes(run.instance, routes, best.objective)
     with run.timed("check"):
         report = check(plan, run.instance)
     if not report.ok:

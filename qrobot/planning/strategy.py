@@ -38,6 +38,7 @@ ARGUMENTS: Mapping[str, Parameter] = {
     "max_cost": Parameter("number", 0),
     "fallback": Parameter("text"),
     "objective": Parameter("text", optional=False),
+    "routing": Parameter("text", optional=False),
     "stop": Parameter("object", also=(Stop,)),
     "on_progress": Parameter("function"),
 }

@@ -321,6 +321,15 @@ class Instance:
         rows = self.place_of_node[[0, *route, 0]]
         return float(self.place_distances[rows[:-1], rows[1:]].sum())
 
+    @property
+    def routing(self) -> str:
+        """How trips are walked: ``exact`` for shortest tours, otherwise the name of a policy."""
+        return "exact"
+
+    def in_sequence(self, routes: Sequence[Sequence[int]]) -> list[list[int]]:
+        """Return the nodes of each trip in the sequence in which they are walked."""
+        return [list(route) for route in routes]
+
     def length(self, routes: Sequence[Sequence[int]]) -> float:
         """Return the total length of several routes, metres."""
         return float(sum(self.route_length(route) for route in routes))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -14,10 +15,11 @@ from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
 from qrobot.plan import OBJECTIVES, Plan, Trip, as_picked, plan_of
-from qrobot.problem import AisleWarehouse, Instance, Item, Place, Warehouse
+from qrobot.problem import AisleWarehouse, Instance, Item, Place, Slot, Warehouse
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
+from qrobot.warehouse import POLICIES, route
 
 if TYPE_CHECKING:
     from qrobot.planning import Result
@@ -138,7 +140,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
                 turn=turn,
                 capacity=instance.robots[fleet[trip.robot]].capacity,
                 items=picked,
-                legs=tuple(_leg(instance.warehouse, a, b) for a, b in pairwise(places)),
+                legs=_legs(instance.warehouse, places, plan.routing),
             )
         )
     unit = _unit(instance)
@@ -149,6 +151,18 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
         subtitle=_subtitle(plan, instance),
         unit=unit,
     )
+
+
+def _legs(
+    house: Warehouse, places: Sequence[Place | None], routing: str
+) -> tuple[tuple[XY, ...], ...]:
+    """Return the legs from stop to stop: shortest ways, or the parts of a policy's way."""
+    slots = [place for place in places if isinstance(place, Slot)]
+    if routing in POLICIES and isinstance(house, AisleWarehouse) and slots:
+        way = route(house, slots, routing)
+        if way.sequence == tuple(range(len(slots))):
+            return way.legs
+    return tuple(_leg(house, a, b) for a, b in pairwise(places))
 
 
 def _leg(house: Warehouse, start: Place | None, end: Place | None) -> tuple[XY, ...]:

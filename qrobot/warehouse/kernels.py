@@ -9,22 +9,24 @@ of its orders, joined by "or".
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from qrobot._arrays import Floats
 from qrobot._jit import compile_kernel
-from qrobot.problem import AisleWarehouse, Slot
-from qrobot.warehouse.grid import grid_of
-from qrobot.warehouse.sweep import Numbers, flatten
+from qrobot.warehouse.layouts import (
+    COMBINED,
+    LARGEST_GAP,
+    RETURN,
+    S_SHAPE,
+    Layout,
+    Words,
+    masks_of,
+)
+from qrobot.warehouse.sweep import Numbers
 
 __all__ = ["Layout", "Words", "masks_of", "tour_length"]
-
-Words = npt.NDArray[np.uint64]
-"""Shape (sub-aisles, words of a sub-aisle)."""
 
 ONE = np.uint64(1)
 SHIFT = np.uint64(58)
@@ -33,43 +35,6 @@ PLACE = np.zeros(64, dtype=np.int64)
 """Which bit is set, by the top six bits of the bit times `DE_BRUIJN`."""
 for _bit in range(64):
     PLACE[(((1 << _bit) * int(DE_BRUIJN)) & (2**64 - 1)) >> 58] = _bit
-
-
-class Layout(NamedTuple):
-    """A grid, and the places that orders need, as kernels take them.
-
-    Parameters
-    ----------
-    along
-        Shape (columns, blocks).
-    across
-        Shape (columns, cross aisles), the last row ``inf``.
-    doors
-        Shape (doors, 2): column and cross aisle of each crossing that the depot has a way to.
-    ways
-        Shape (doors,): metres of the way to it.
-    is_open
-        Whether nothing is closed.
-    bases, pitch
-        Metres from the front of each block to its first slot, and from slot to slot.
-    ends, steps, starts, marks
-        The states of the sweep: begin and done, and as in `sweep.Flat`.
-    states
-        Number of states.
-    """
-
-    along: Floats
-    across: Floats
-    doors: Numbers
-    ways: Floats
-    is_open: bool
-    bases: Floats
-    pitch: float
-    ends: tuple[int, int]
-    steps: Numbers
-    starts: Numbers
-    marks: Numbers
-    states: int
 
 
 def _lowest(word: Any) -> Any:
@@ -267,8 +232,88 @@ def _blocks(words: Words, layout: Layout) -> float:
 _blocks = compile_kernel(_blocks, inner=True)
 
 
+def _halves(words: Words, column: int, layout: Layout) -> Any:
+    """Return what is walked in an aisle whose halves are picked each from its end."""
+    length, back = layout.along[column, 0], layout.doors[0, 1] == 1
+    before, behind = 0.0, length
+    for w in range(words.shape[1]):
+        word = words[column, w]
+        while word:
+            y = layout.bases[0] + layout.pitch * (64 * w + _lowest(word))
+            word &= word - ONE
+            if back:
+                y = length - y
+            if 2.0 * y <= length:
+                before = max(before, y)
+            else:
+                behind = min(behind, y)
+    return 2.0 * before + 2.0 * (length - behind)
+
+
+_halves = compile_kernel(_halves, inner=True)
+
+
+def _used(words: Words) -> tuple[int, int, int]:
+    """Return the first and the last aisle with picks of one block, and how many have any."""
+    first, last, used = -1, -1, 0
+    for column in range(words.shape[0]):
+        picks = False
+        for w in range(words.shape[1]):
+            picks |= words[column, w] != 0
+        if picks:
+            first = column if first < 0 else first
+            last, used = column, used + 1
+    return first, last, used
+
+
+_used = compile_kernel(_used, inner=True)
+
+
+def _by_policy(words: Words, layout: Layout) -> float:
+    """Return the length of the tour of a policy; one block, all open, one door.
+
+    The rules are those of `policies`, the depot's side is the front.
+    """
+    policy, columns = layout.policy, layout.along.shape[0]
+    depot, cross = layout.doors[0]
+    length = layout.along[0, 0]
+    first, last, used = _used(words)
+    if used == 0:
+        return float(2.0 * layout.ways[0])
+    total, front, back = 0.0, 0.0, np.inf
+    for column in range(first, last + 1):
+        near, far, gap = _extent(words, column, layout)
+        if near < 0.0:
+            continue
+        if cross == 1:
+            near, far = length - far, length - near
+        if policy == COMBINED:
+            here = min(front + 2.0 * far, back + length)
+            back = min(back + 2.0 * (length - near), front + length)
+            front = here
+        elif policy == RETURN or used == 1:
+            total += 2.0 * far
+        elif policy == S_SHAPE:
+            total += 2.0 * far if column == last and used % 2 == 1 else length
+        elif column in (first, last):
+            total += length
+        elif policy == LARGEST_GAP:
+            total += 2.0 * (length - max(gap, near, length - far))
+        else:
+            total += _halves(words, column, layout)
+    span = max(last, depot) - min(first, depot)
+    if columns > 1:
+        total += 2.0 * span * layout.across[0, 0]
+    return float(total + front + 2.0 * layout.ways[0])
+
+
+_by_policy = compile_kernel(_by_policy, inner=True)
+
+
 def _tour_length(words: Words, layout: Layout) -> float:
-    """Return the length of a shortest tour from the depot past all places of a batch.
+    """Return the length of a tour from the depot past all places of a batch.
+
+    It is a shortest one, or that of the layout's policy.
 
     Parameters
     ----------
@@ -283,52 +328,11 @@ def _tour_length(words: Words, layout: Layout) -> float:
         Metres; ``inf`` where a place cannot be reached. A batch without places takes the way
         to the depot's nearest crossing and back.
     """
+    if layout.policy != 0:
+        return _by_policy(words, layout)
     if layout.along.shape[1] == 1 and len(layout.ways) == 1:
         return _one_block(words, layout)
     return _blocks(words, layout)
 
 
 tour_length = compile_kernel(_tour_length)
-
-
-def masks_of(
-    warehouse: AisleWarehouse, picks: Sequence[Sequence[Slot]]
-) -> tuple[Layout, npt.NDArray[np.uint64]]:
-    """Return a layout, and the words of several lists of picks.
-
-    Parameters
-    ----------
-    warehouse
-        At most six cross aisles.
-    picks
-        The slots of each order.
-
-    Returns
-    -------
-    tuple
-        The layout, and an array of shape (orders, sub-aisles, words).
-    """
-    grid = grid_of(warehouse)
-    flat = flatten(grid.cross_aisles, grid.ends)
-    words = -(-warehouse.slots // 64)
-    masks = np.zeros((len(picks), grid.along.size, words), dtype=np.uint64)
-    for order, slots in enumerate(picks):
-        for slot in slots:
-            part = slot.aisle * warehouse.blocks + slot.block
-            masks[order, part, slot.slot // 64] |= np.uint64(1 << slot.slot % 64)
-    across = np.full((len(grid.along), grid.cross_aisles), np.inf)
-    across[:-1] = grid.across
-    return Layout(
-        along=grid.along,
-        across=across,
-        doors=np.array([(door.column, door.cross) for door in grid.doors], dtype=np.int64),
-        ways=np.array([door.length for door in grid.doors]),
-        is_open=grid.is_open,
-        bases=np.array([front for front, _ in warehouse.gaps]),
-        pitch=float(warehouse.slot_pitch),
-        ends=(flat.begin, flat.done),
-        steps=flat.steps,
-        starts=flat.starts,
-        marks=flat.marks,
-        states=flat.count,
-    ), masks

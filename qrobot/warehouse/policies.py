@@ -18,7 +18,7 @@ from qrobot.warehouse.routing import Router
 from qrobot.warehouse.walking import XY, Route, Walk, corners
 from qrobot.warehouse.walking import length as walked
 
-__all__ = ["POLICIES", "Policy", "route"]
+__all__ = ["POLICIES", "Policy", "check_layout", "route"]
 
 Policy = Callable[[AisleWarehouse, Sequence[Slot]], Route]
 
@@ -160,14 +160,10 @@ def route(warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str = "short
     return POLICIES[policy](warehouse, slots) if slots else Route(0.0, (), ())
 
 
-def _walk(
-    warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str, blocks: int | None = None
-) -> Walk:
-    """Return a picker at the depot of a layout that a policy is made for."""
+def check_layout(warehouse: AisleWarehouse) -> str:
+    """Return why rules say nothing about a layout, empty where they do."""
     reason = ""
-    if blocks is not None and warehouse.blocks > blocks:
-        reason = f"is a policy for one block, the warehouse has {warehouse.blocks}"
-    elif warehouse.closed_aisles or warehouse.closed_crossings:
+    if warehouse.closed_aisles or warehouse.closed_crossings:
         reason = "is a policy for open aisles, some are closed"
     elif warehouse.is_one_way:
         reason = "is a policy for aisles that are walked both ways, some are one-way"
@@ -175,6 +171,17 @@ def _walk(
         reason = "is a policy for a depot at one aisle"
     elif 0 < warehouse.depot_cross_aisle < warehouse.blocks:
         reason = "is a policy for a depot at the first or last cross aisle"
+    return reason
+
+
+def _walk(
+    warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str, blocks: int | None = None
+) -> Walk:
+    """Return a picker at the depot of a layout that a policy is made for."""
+    if blocks is not None and warehouse.blocks > blocks:
+        reason = f"is a policy for one block, the warehouse has {warehouse.blocks}"
+    else:
+        reason = check_layout(warehouse)
     if reason:
         raise InputError(f"{policy!r} {reason}", field="policy", advice="use shortest or as-given")
     return Walk(warehouse, slots)

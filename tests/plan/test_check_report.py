@@ -47,7 +47,7 @@ def test_a_plan_of_nothing_is_right() -> None:
     assert str(report) == "right: 0 trips, 0 stops, distance 0"
 
 
-@pytest.mark.parametrize("module", [qrobot.plan.checker, qrobot.plan.ruler])
+@pytest.mark.parametrize("module", [qrobot.plan.checker, qrobot.plan.ruler, qrobot.plan.rules])
 def test_the_checker_imports_no_solver_and_no_numbers(module: object) -> None:
     tree = ast.parse(Path(module.__file__).read_text())
     imported, names = set(), set()
@@ -63,6 +63,7 @@ def test_the_checker_imports_no_solver_and_no_numbers(module: object) -> None:
         "qrobot.plan.picks",
         "qrobot.plan.plan",
         "qrobot.plan.ruler",
+        "qrobot.plan.rules",
         "qrobot.problem.entities",
         "qrobot.problem.instance",
         *(f"qrobot.problem.{file}" for file in ("aisles", "checks", "floor", "table", "warehouse")),

@@ -18,6 +18,7 @@ from qrobot.backends.base import Routes
 from qrobot.problem import AisleWarehouse, Instance, Slot
 from qrobot.warehouse import Router
 from qrobot.warehouse.kernels import Layout, masks_of, tour_length
+from qrobot.warehouse.layouts import CODES
 
 __all__ = [
     "Batch",
@@ -85,7 +86,7 @@ def masks_of_orders(instance: Instance) -> tuple[Layout, Hashes]:
         [place for v in nodes if isinstance(place := instance.items[v - 1].place, Slot)]
         for nodes in instance.order_nodes
     ]
-    return masks_of(warehouse, picks)
+    return masks_of(warehouse, picks, CODES[instance.routing])
 
 
 def orders_of(instance: Instance) -> Orders:
@@ -162,16 +163,21 @@ class Trips:
         assert isinstance(instance.warehouse, AisleWarehouse)
         self._instance = instance
         self._router = Router(instance.warehouse)
+        self._exact = instance.routing == "exact"
         self._known: dict[Batch, list[int]] = {}
 
     def routes(self, plan: Iterable[Batch]) -> Routes:
-        """Return the routes of batches, each a shortest tour."""
+        """Return the routes of batches, each a shortest tour or that of the policy."""
         return [self._route(batch) for batch in plan if batch]
 
     def _route(self, batch: Batch) -> list[int]:
         known = self._known.get(batch)
         if known is None:
             nodes = [node for order in batch for node in self._instance.order_nodes[order]]
+            if not self._exact:
+                (known,) = self._instance.in_sequence([nodes])
+                self._known[batch] = known
+                return known
             slots = [
                 place
                 for node in nodes

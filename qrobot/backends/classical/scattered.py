@@ -48,6 +48,7 @@ def can_choose(instance: Instance) -> bool:
     warehouse = instance.warehouse
     return (
         bool(instance.demand)
+        and instance.routing == "exact"
         and isinstance(warehouse, AisleWarehouse)
         and warehouse.blocks < MAX_CROSS_AISLES
         and not warehouse.is_one_way

@@ -16,7 +16,7 @@ from qrobot.backends.classical.exact.columns import MAX_ENTRIES, Columns, check_
 from qrobot.backends.classical.exact.cover import cheapest_cover, lagrangian
 from qrobot.backends.classical.exact.packing import no_packing, no_way
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS, best_split
-from qrobot.backends.classical.generation import can_generate, generate
+from qrobot.backends.classical.generation import MOST_ORDERS, can_generate, generate
 from qrobot.backends.classical.whole import whole_costs
 from qrobot.errors import BackendError
 from qrobot.plan.objective import DISTANCE, Objective
@@ -59,6 +59,8 @@ class ExactPlanner:
         """Return whether the instance is small enough, for the time until `stop`."""
         if can_generate(instance) and compiled_soon(stop or Stop()):
             return True
+        if instance.routing != "exact":
+            return False
         try:
             check_size(instance)
         except BackendError:
@@ -67,7 +69,7 @@ class ExactPlanner:
 
     def at_once(self, instance: Instance) -> bool:
         """Return whether a proof takes no longer than a fraction of a second."""
-        if len(instance.orders) > MAX_ELEMENTS:
+        if len(instance.orders) > MAX_ELEMENTS or instance.routing != "exact":
             return False
         try:
             return check_size(instance)
@@ -100,6 +102,11 @@ class ExactPlanner:
             return _charged(instance, objective, stop, start)
         if not self.at_once(instance) and can_generate(instance) and compiled_soon(stop):
             return generate(instance, stop, seed, start, on_best)
+        if instance.routing != "exact":
+            raise BackendError(
+                "backend exact proves plans under a policy where the searches are compiled, for at "
+                f"most {MOST_ORDERS} orders: run `qrobot compile`, or use backend batching"
+            )
         return _enumerated(instance, stop, seed, start, on_best)
 
 
