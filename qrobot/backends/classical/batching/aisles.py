@@ -14,6 +14,8 @@ from qrobot._arrays import Ints
 from qrobot._extras import is_installed
 from qrobot.backends.base import OnBest, Routes, Search, Stop
 from qrobot.backends.classical.batching.annealing import anneal, place
+from qrobot.backends.classical.batching.lots import Lots
+from qrobot.backends.classical.batching.rules import join_by_savings
 from qrobot.backends.classical.batching.state import State, new_state
 from qrobot.backends.classical.orders import Batch, Orders, Trips, orders_of, tie_of
 from qrobot.problem import AisleWarehouse, Instance
@@ -23,8 +25,12 @@ __all__ = ["search_aisles"]
 MOVES = 2_000
 """Moves between two looks at the clock: a few milliseconds, and one unit of work."""
 
-WARM, COLD = 0.06, 0.002
-"""First and last temperature, as shares of a mean trip."""
+WARM, COLD = 0.015, 0.4
+"""First temperature, as a share of a mean trip, and the last one as a share of the first."""
+
+PATIENT, PATIENCE = 80_000, 0.6
+"""Moves for each order from which on a search begins so warm; with fewer, it begins colder, by
+this power of their share."""
 
 DEARER, CHEAPER = 1.15, 0.93
 """How the price of overload changes where a plan has some, and where it has none."""
@@ -50,6 +56,9 @@ PARTITION_WORK = 60
 LATE_WORK = 40
 """Work of a search that begins when time is up and has no plan: hundredths of a second."""
 
+MANY, BEGIN_SHARE = 200, 0.35
+"""More orders begin from savings, for which they get this share of the time at most."""
+
 SPARE_TRIPS = 3
 """Trips more than a first packing needs."""
 
@@ -67,7 +76,7 @@ def search_aisles(
 
     `partition` says whether a set partition puts the best batches together after each cycle.
     """
-    search = _Search(instance, seed, start, on_best)
+    search = _Search(instance, stop, seed, start, on_best)
     search.partition = partition and is_installed("ortools")
     return search.run(stop)
 
@@ -76,15 +85,22 @@ class _Search:
     """One search."""
 
     def __init__(
-        self, instance: Instance, seed: int, start: Routes | None, on_best: OnBest | None
+        self,
+        instance: Instance,
+        stop: Stop,
+        seed: int,
+        start: Routes | None,
+        on_best: OnBest | None,
     ) -> None:
         assert isinstance(instance.warehouse, AisleWarehouse)
         self.instance, self.on_best = instance, on_best
         self.trips = Trips(instance)
         orders = orders_of(instance)
+        if len(orders.weights) > MANY:
+            start = _begun(instance, start, stop)
         first = first_fit(orders)
         # More trips than a packing needs only make the search larger.
-        packed = len(np.unique(first)) + SPARE_TRIPS
+        packed = max(len(np.unique(first)) + SPARE_TRIPS, len(list(filter(None, start or []))))
         if (orders.capacities == orders.capacities[0]).all() or packed >= len(orders.capacities):
             orders = orders._replace(capacities=orders.capacities[:packed])
         self.orders: Orders = orders
@@ -109,12 +125,12 @@ class _Search:
 
     def run(self, stop: Stop) -> Search:
         """Anneal in cycles until `stop`."""
-        cycle, length = 0, CYCLE
+        cycle, length, hot = 0, CYCLE, self._warmth(stop)
         if self.state.best[0] < 0 and stop(self.work):
             self._anneal(Stop(max_work=LATE_WORK), hot=WARM)
         while not stop(self.work):
             part = self._cycle(stop, cycle, length)
-            self._anneal(part, hot=WARM if cycle == 0 else WARM / 2)
+            self._anneal(part, hot=hot if cycle == 0 else hot / 2)
             if stop(self.work):
                 break
             self._partition(stop, part)
@@ -122,6 +138,18 @@ class _Search:
             cycle, length = cycle + 1, 2 * length
         self._tell()
         return Search(routes=self.trips.routes(self._best()) or None, work=self.work)
+
+    def _warmth(self, stop: Stop) -> float:
+        """Return the first temperature: as warm as a search of this length cools down from."""
+        units = math.inf
+        if stop.max_work is not None:
+            units = float(stop.max_work)
+        elif math.isfinite(stop.remaining):
+            begun = stop.elapsed
+            anneal(self.orders, self.state, MOVES, COLD * WARM * self.scale, 0.0)
+            units = stop.remaining / max(1e-6, stop.elapsed - begun)
+        share = units * MOVES / (PATIENT * len(self.orders.weights))
+        return float(WARM * min(1.0, share) ** PATIENCE)
 
     def _cycle(self, stop: Stop, cycle: int, length: int) -> Stop:
         """Return a stop for the annealing of a cycle."""
@@ -140,7 +168,7 @@ class _Search:
             passed = stop.elapsed / max(stop.elapsed + stop.remaining, 1e-9)
             if limit is not None:
                 passed = max(passed, (self.work - begun) / max(1, limit - begun))
-            heat = self.scale * hot * (COLD / hot) ** min(1.0, passed)
+            heat = self.scale * hot * COLD ** min(1.0, passed)
             _, over = anneal(self.orders, state, MOVES, heat, GOOD * state.figures[1])
             self.work += 1
             price = state.figures[0] * (DEARER if over else CHEAPER)
@@ -194,6 +222,19 @@ class _Search:
             routes = self.trips.routes(self._best())
             self.on_best(routes, self.instance.length(routes))
         self.told = min(self.told, float(self.state.figures[1]))
+
+
+def _begun(instance: Instance, start: Routes | None, stop: Stop) -> Routes | None:
+    """Return a plan by savings, unless the one to start from is shorter."""
+    part = Stop() if stop.max_work is not None else stop.within(BEGIN_SHARE * stop.remaining)
+    lots = Lots(instance, part)
+    if not lots.possible:
+        return start
+    join_by_savings(lots, part)
+    routes = lots.routes()
+    if start and instance.length(start) <= instance.length(routes):
+        return start
+    return routes
 
 
 def first_fit(orders: Orders) -> Ints:

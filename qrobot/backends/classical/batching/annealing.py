@@ -1,7 +1,8 @@
 """Simulated annealing over batches, compiled. Importing this module imports numba.
 
-An order moves to another trip, or two orders of two trips change places; the trips that change
-get their shortest tours at once. Trips may be overloaded at a price that follows what is found:
+An order moves to another trip, or two orders of two trips change places; where that would
+overload a trip, one more order of each may balance the loads. The trips that change get their
+shortest tours at once. Trips may be overloaded at a price that follows what is found:
 so the search passes from one packing to another. Lengths of batches are remembered by a hash of
 their orders, and so are the batches of good plans, from which a set partition may put together
 a better one.
@@ -51,10 +52,22 @@ def _uniform(random: Hashes) -> float:
 _uniform = compile_kernel(_uniform, inner=True)
 
 
-def _batch_length(
-    orders: Orders, state: State, trip: int, out: int, into: int, key: Any, words: Hashes
+def _length_after(
+    orders: Orders,
+    state: State,
+    trip: int,
+    out: tuple[int, int],
+    into: tuple[int, int],
+    words: Hashes,
 ) -> Any:
-    """Return the length of a trip without one order and with another (-1: none)."""
+    """Return the length of a trip without up to two orders and with up to two others (-1: none)."""
+    key = state.key[trip]
+    for order in out:
+        if order >= 0:
+            key ^= orders.keys[order]
+    for order in into:
+        if order >= 0:
+            key ^= orders.keys[order]
     if key == np.uint64(0):
         return 0.0
     slot = np.int64(key >> np.uint64(64 - KNOWN_BITS))
@@ -63,17 +76,18 @@ def _batch_length(
     words[:] = np.uint64(0)
     for k in range(state.size[trip]):
         order = state.members[trip, k]
-        if order != out:
+        if order != out[0] and order != out[1]:
             words |= orders.masks[order]
-    if into >= 0:
-        words |= orders.masks[into]
+    for order in into:
+        if order >= 0:
+            words |= orders.masks[order]
     length = tour_length(words, orders.layout)
     state.known_keys[slot] = key
     state.known_lengths[slot] = length
     return length
 
 
-_batch_length = compile_kernel(_batch_length, inner=True)
+_length_after = compile_kernel(_length_after, inner=True)
 
 
 def _leave(state: State, orders: Orders, order: int) -> None:
@@ -170,24 +184,21 @@ def _new_lengths(
 ) -> tuple[float, float]:
     """Return the lengths of both trips after a move; ``inf`` when they exceed the limit."""
     a = state.trip[first]
-    key_a, key_b = state.key[a] ^ orders.keys[first], state.key[trip] ^ orders.keys[first]
     if state.without[first] < 0.0:
-        state.without[first] = _batch_length(orders, state, a, first, -1, key_a, words)
+        state.without[first] = _length_after(orders, state, a, (first, -1), (-1, -1), words)
     length_a = state.without[first]
     least_b = max(state.length[trip], orders.alone[first])
     if second >= 0:
         if state.without[second] < 0.0:
-            key = state.key[trip] ^ orders.keys[second]
-            state.without[second] = _batch_length(orders, state, trip, second, -1, key, words)
-        key_a ^= orders.keys[second]
-        key_b ^= orders.keys[second]
+            length = _length_after(orders, state, trip, (second, -1), (-1, -1), words)
+            state.without[second] = length
         least_b = max(state.without[second], orders.alone[first])
         if max(length_a, orders.alone[second]) + least_b > limit:
             return np.inf, np.inf
-        length_a = _batch_length(orders, state, a, first, second, key_a, words)
+        length_a = _length_after(orders, state, a, (first, -1), (second, -1), words)
     if length_a + least_b > limit:
         return np.inf, np.inf
-    length_b = _batch_length(orders, state, trip, second, first, key_b, words)
+    length_b = _length_after(orders, state, trip, (second, -1), (first, -1), words)
     if length_a + length_b > limit:
         return np.inf, np.inf
     return length_a, length_b
@@ -196,14 +207,76 @@ def _new_lengths(
 _new_lengths = compile_kernel(_new_lengths, inner=True)
 
 
-def _move(orders: Orders, state: State, first: int, second: int, trip: int) -> None:
-    """Put an order on a trip; another, unless it is -1, takes its place."""
+def _balance(orders: Orders, state: State, first: int, second: int, trip: int) -> tuple[Any, Any]:
+    """Return an order that moves along and one that comes back, so that no trip is overloaded.
+
+    -1 stands for none; -2 and -2 are returned where no two orders do it. Each pair that does is as
+    likely. Where trips are nearly full, few moves of one or two orders alone would fit.
+    """
     a = state.trip[first]
-    _leave(state, orders, first)
+    gain = orders.weights[first]
     if second >= 0:
-        _leave(state, orders, second)
-        _join(state, orders, second, a)
-    _join(state, orders, first, trip)
+        gain -= orders.weights[second]
+    most = orders.capacities[trip] - state.load[trip] - gain
+    least = state.load[a] - orders.capacities[a] - gain
+    along, back, found = -2, -2, 0
+    for i in range(-1, state.size[a]):
+        one = state.members[a, i] if i >= 0 else -1
+        if i >= 0 and one == first:
+            continue
+        plus = orders.weights[one] if i >= 0 else 0
+        for j in range(-1, state.size[trip]):
+            other = state.members[trip, j] if j >= 0 else -1
+            if j >= 0 and other == second:
+                continue
+            more = plus - (orders.weights[other] if j >= 0 else 0)
+            if least <= more <= most:
+                found += 1
+                if _below(state.random, found) == 0:
+                    along, back = one, other
+    return along, back
+
+
+_balance = compile_kernel(_balance, inner=True)
+
+
+def _balanced_lengths(
+    orders: Orders,
+    state: State,
+    trip: int,
+    out: tuple[int, int],
+    into: tuple[int, int],
+    limit: float,
+    words: Hashes,
+) -> tuple[float, float]:
+    """Return the lengths of both trips when orders go out of one for others of `trip`."""
+    length_a = _length_after(orders, state, state.trip[out[0]], out, into, words)
+    if length_a + orders.alone[out[0]] > limit:
+        return np.inf, np.inf
+    length_b = _length_after(orders, state, trip, into, out, words)
+    if length_a + length_b > limit:
+        return np.inf, np.inf
+    return length_a, length_b
+
+
+_balanced_lengths = compile_kernel(_balanced_lengths, inner=True)
+
+
+def _move(
+    orders: Orders, state: State, trip: int, out: tuple[int, int], into: tuple[int, int]
+) -> None:
+    """Put orders of one trip on another; others, unless they are -1, take their place."""
+    a = state.trip[out[0]]
+    for order in out:
+        if order >= 0:
+            _leave(state, orders, order)
+    for order in into:
+        if order >= 0:
+            _leave(state, orders, order)
+            _join(state, orders, order, a)
+    for order in out:
+        if order >= 0:
+            _join(state, orders, order, trip)
     for changed in (a, trip):
         for k in range(state.size[changed]):
             state.without[state.members[changed, k]] = -1.0
@@ -271,25 +344,36 @@ def _anneal(
         a = trip[first]
         if a == b:
             continue
-        gain, opened = weights[first], 0
-        if swap:
-            gain -= weights[second]
-        else:
+        if not swap:
             second = -1
-            opened = (size[b] == 0) - (size[a] == 1)
+        gain = weights[first] - (weights[second] if swap else 0)
         change = _excess(load[a] - gain, capacities[a]) + _excess(load[b] + gain, capacities[b])
-        change -= _excess(load[a], capacities[a]) + _excess(load[b], capacities[b])
+        now = _excess(load[a], capacities[a]) + _excess(load[b], capacities[b])
+        along = back = -1
+        if change > now and size[b] and _below(random, 2):
+            along, back = _balance(orders, state, first, second, b)
+            if along == -2:
+                continue
+            change = 0
+        change -= now
+        left = size[a] - 1 + (second >= 0) - (along >= 0) + (back >= 0)
+        opened = (size[b] == 0) - (left == 0)
         limit = length[a] + length[b] - price * change - tie * opened
         limit -= heat * np.log(_uniform(random) + 1e-300)
-        if _least(length, without, alone, first, second, b) > limit:
+        if along >= 0 or back >= 0:
+            length_a, length_b = _balanced_lengths(
+                orders, state, b, (first, along), (second, back), limit, words
+            )
+        elif _least(length, without, alone, first, second, b) > limit:
             continue
-        length_a, length_b = _new_lengths(orders, state, first, second, b, limit, words)
+        else:
+            length_a, length_b = _new_lengths(orders, state, first, second, b, limit, words)
         if length_a == np.inf:
             continue
         total += length_a + length_b - length[a] - length[b]
         over += change
         used += opened
-        _move(orders, state, first, second, b)
+        _move(orders, state, b, (first, along), (second, back))
         length[a], length[b] = length_a, length_b
         if over == 0:
             _note(state, total + tie * used, pool_below)
@@ -309,7 +393,7 @@ def _place(orders: Orders, state: State, trip: Ints) -> None:
     for order in range(len(trip)):
         _join(state, orders, order, trip[order])
     for t in range(len(state.size)):
-        state.length[t] = _batch_length(orders, state, t, -1, -1, state.key[t], words)
+        state.length[t] = _length_after(orders, state, t, (-1, -1), (-1, -1), words)
 
 
 place = compile_kernel(_place)

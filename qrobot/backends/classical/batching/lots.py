@@ -145,7 +145,8 @@ class Lots:
         alive[other] = False
         loads = self.loads.copy()
         loads[lot] += loads[other]
-        if packed(loads[alive], self.capacities) is None:
+        left = loads[alive]
+        if not _fits_surely(left, self.capacities) and packed(left, self.capacities) is None:
             return False
         self.tours.join(lot, other)
         self.loads, self.alive = loads, alive
@@ -161,6 +162,21 @@ class Lots:
         for lot, trip in zip(lots.tolist(), trips.tolist(), strict=True):
             batches.setdefault(trip, []).extend(self.orders[lot])
         return self.tours.routes([sorted(batch) for batch in batches.values()])
+
+
+def _fits_surely(loads: Ints, capacities: Ints) -> bool:
+    """Return whether `packed` is sure to find trips, without packing.
+
+    On as many equal trips the heaviest loads come first, each onto a trip of its own. Where
+    another one fits nowhere, no trip has room for the heaviest of the others.
+    """
+    count = len(capacities)
+    if capacities[-1] < capacities[0] or loads.max(initial=0) > capacities[0]:
+        return False
+    if len(loads) <= count:
+        return True
+    next_heaviest = int(np.partition(loads, -count - 1)[-count - 1])
+    return int(loads.sum()) <= int(capacities.sum()) - count * next_heaviest
 
 
 def packed(loads: Ints, capacities: Ints) -> Ints | None:

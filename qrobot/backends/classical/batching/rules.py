@@ -17,7 +17,7 @@ from qrobot.backends.base import Capabilities, OnBest, Routes, Search, Stop
 from qrobot.backends.classical.batching.lots import Lots, Tours, packed, tours_of
 from qrobot.problem import Instance
 
-__all__ = ["FirstComePlanner", "SavingsPlanner", "SeedPlanner"]
+__all__ = ["FirstComePlanner", "SavingsPlanner", "SeedPlanner", "join_by_savings"]
 
 LEAST = 1e-9
 """Share of a tour below which a saving is rounding."""
@@ -181,11 +181,11 @@ class SavingsPlanner(_Rule):
         """Yield the one plan of the rule."""
         lots = Lots(instance, stop)
         if lots.possible:
-            work = _join_by_savings(lots, stop)
+            work = join_by_savings(lots, stop)
             yield lots.routes(), work
 
 
-def _join_by_savings(lots: Lots, stop: Stop) -> int:
+def join_by_savings(lots: Lots, stop: Stop) -> int:
     """Join the two lots that save most, again and again; return how often."""
     count = len(lots.loads)
     saved = np.full((count, count), -np.inf)
