@@ -17,6 +17,7 @@ from qrobot.backends.classical.batching.annealing import anneal, place
 from qrobot.backends.classical.batching.lots import Lots
 from qrobot.backends.classical.batching.rules import join_by_savings
 from qrobot.backends.classical.batching.state import State, new_state
+from qrobot.backends.classical.exact.packing import pack
 from qrobot.backends.classical.orders import Batch, Orders, Trips, orders_of, tie_of
 from qrobot.problem import AisleWarehouse, Instance
 
@@ -53,8 +54,9 @@ PARTITION_SHARE = 0.15
 PARTITION_WORK = 60
 """Linear programmes for it where work is limited."""
 
-LATE_WORK = 40
-"""Work of a search that begins when time is up and has no plan: hundredths of a second."""
+FIRST_WORK, PACKING_SHARE = 40, 0.3
+"""Work to find any plan by moves, even when time is up: hundredths of a second; then a packing
+gets this share of the time."""
 
 MANY, BEGIN_SHARE = 200, 0.35
 """More orders begin from savings, for which they get this share of the time at most."""
@@ -126,8 +128,8 @@ class _Search:
     def run(self, stop: Stop) -> Search:
         """Anneal in cycles until `stop`."""
         cycle, length, hot = 0, CYCLE, self._warmth(stop)
-        if self.state.best[0] < 0 and stop(self.work):
-            self._anneal(Stop(max_work=LATE_WORK), hot=WARM)
+        if self.state.best[0] < 0:
+            self._first_plan(stop)
         while not stop(self.work):
             part = self._cycle(stop, cycle, length)
             self._anneal(part, hot=hot if cycle == 0 else hot / 2)
@@ -138,6 +140,16 @@ class _Search:
             cycle, length = cycle + 1, 2 * length
         self._tell()
         return Search(routes=self.trips.routes(self._best()) or None, work=self.work)
+
+    def _first_plan(self, stop: Stop) -> None:
+        """Look for a plan where first fit overloads a trip: by moves, or else by packing."""
+        self._anneal(Stop(max_work=self.work + FIRST_WORK), hot=WARM)
+        if self.state.best[0] >= 0 or stop(self.work):
+            return
+        part = stop if math.isinf(stop.remaining) else stop.within(PACKING_SHARE * stop.remaining)
+        routes, _ = pack(self.instance, part)
+        if routes is not None:
+            self._take(self.trips.batches(routes))
 
     def _warmth(self, stop: Stop) -> float:
         """Return the first temperature: as warm as a search of this length cools down from."""
