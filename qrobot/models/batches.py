@@ -200,12 +200,17 @@ class Assignment:
         return dict(zip(self.labels, values, strict=True))
 
     def draw(self, count: int, rng: np.random.Generator) -> Partitions:
-        """Return orders dealt to trips at random; loads are not looked at."""
-        trips = rng.integers(0, len(self.capacities), (count, len(self.weights)))
-        on = trips[:, :, None] == np.arange(len(self.capacities))
-        loads = np.einsum("rot,o->rt", on.astype(np.int64), self.weights)
+        """Return orders dealt in random sequence to random trips that have room, else to any."""
+        trips = np.zeros((count, len(self.weights)), dtype=np.int64)
+        room = np.tile(self.capacities, (count, 1))
+        reads = np.arange(count)
+        for orders in rng.permuted(np.tile(np.arange(len(self.weights)), (count, 1)), axis=1).T:
+            fits = room >= self.weights[orders, None]
+            chosen = (rng.random(room.shape) + fits).argmax(axis=1)
+            trips[reads, orders] = chosen
+            room[reads, chosen] -= self.weights[orders]
         none = np.zeros(count, dtype=np.int64)
-        over = np.maximum(loads - self.capacities, 0).sum(axis=1)
+        over = np.maximum(-room, 0).sum(axis=1)
         return Partitions(trips=trips, missing=none, repeated=none, overload=over)
 
 

@@ -26,7 +26,7 @@ from qrobot.problem import Instance
 if TYPE_CHECKING:
     from qrobot.planning.proposals import BatchLoop
 
-__all__ = ["ENCODING", "plan_batches", "wants_batches"]
+__all__ = ["ENCODING", "batch_parameters", "plan_batches", "wants_batches"]
 
 ENCODING = "batches"
 """Its name among the encodings."""
@@ -34,6 +34,9 @@ ENCODING = "batches"
 MANY = 1_000
 """Binary variables of a model of sequences above which whole orders are sampled as batches: a
 sampler seldom reads a plan from more."""
+
+SWEEPS, FEWEST = 2, 100
+"""Sweeps of an annealer for each variable of a model, and at least: small models need few."""
 
 CONTROL_SHARE = 0.5
 """Of the time, for the control."""
@@ -81,6 +84,22 @@ def wants_batches(
     except InputError:
         return True
     return size > most or (size > MANY and compiled_soon(stop))
+
+
+def batch_parameters(
+    sampler: PickingSampler,
+    model: BatchModel,
+    scale: float,
+    sampling: Mapping[str, Any],
+    stop: Stop,
+    seed: int,
+) -> dict[str, Any]:
+    """Return what a sampler is called with for a model of batches of this scale of energies."""
+    parameters = call_parameters(sampler, scale, sampling, stop, seed)
+    if "num_sweeps" in parameters and "num_sweeps" not in sampling:
+        wanted = SWEEPS * model.bqm.num_variables
+        parameters["num_sweeps"] = min(max(wanted, FEWEST), parameters["num_sweeps"])
+    return parameters
 
 
 def plan_batches(
@@ -150,13 +169,20 @@ def plan_batches(
 
 
 def _repaired(loop: BatchLoop) -> list[float]:
-    return loop.assignment.repaired + loop.selection.repaired
+    return loop.assignment.repaired + loop.neighbourhood.repaired + loop.selection.repaired
 
 
 def _notes(name: str, loop: BatchLoop) -> list[str]:
-    """Say what is not the sampler's own: selections of repaired batches, and repair."""
-    chosen, repaired = loop.selection, _repaired(loop)
+    """Say what is not the sampler's own: what began from repaired plans, and repair."""
+    part, chosen, repaired = loop.neighbourhood, loop.selection, _repaired(loop)
     notes = []
+    if part.proposals:
+        notes.append(
+            f"{name} dealt out anew the orders of a few trips of good plans ({part.variables} "
+            f"variables, {part.proposals} reads): {len(part.lengths)} are plans as they are, "
+            f"the best known so far in {number(part.better)} rounds of reads, after repair in "
+            f"{number(part.repaired_better)}"
+        )
     if chosen.proposals:
         best = f", best {number(min(chosen.lengths))}" if chosen.lengths else ""
         notes.append(
@@ -201,7 +227,7 @@ class _Asked:
         sampling = self.sampling | {"num_reads": reads}
         if "num_reads" not in self.sampler.parameters:
             del sampling["num_reads"]
-        parameters = call_parameters(self.sampler, scale, sampling, stop, seed)
+        parameters = batch_parameters(self.sampler, model, scale, sampling, stop, seed)
         try:
             samples = self.sampler.sample(model.bqm, **parameters)
             samples.resolve()

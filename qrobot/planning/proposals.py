@@ -1,10 +1,11 @@
 """The loop of a sampler and exact tours: it proposes batches, which are priced and repaired.
 
-Each round has two models (`qrobot.models.batches`). The assignment has the savings of a surrogate
-that learns from the best plans (`qrobot.planning.surrogate`). Its reads are judged and priced as
-they are; then each is repaired and improved by a fixed number of moves of the compiled annealing.
-The batches of the best plans so far are the columns of the selection, whose reads are judged,
-priced and repaired in the same way.
+A round has three kinds of models (`qrobot.models.batches`). The assignment of all orders has the
+savings of a surrogate that learns from the best plans (`qrobot.planning.surrogate`). Assignments of
+two or three trips of a good plan (`qrobot.planning.neighbourhoods`) have savings fitted to batches
+of just their orders. The selection has the batches of the best plans as columns. Reads are judged
+and priced by exact tours as they are; then they are repaired and improved by a fixed number of
+moves of the compiled annealing, of a neighbourhood only the best one.
 
 What proposes is exchanged for the control: `RandomSource` deals orders and draws batches at random,
 and everything else is the same.
@@ -14,7 +15,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import dimod
@@ -29,16 +29,24 @@ from qrobot.backends.classical.orders import Batch, Trips, lengths_of, orders_of
 from qrobot.errors import InputError
 from qrobot.models.batches import Assignment, BatchModel, Partitions, Selection
 from qrobot.models.layout import MAX_VARIABLES
+from qrobot.planning.neighbourhoods import Neighbourhood, Neighbourhoods
 from qrobot.planning.surrogate import Surrogate
+from qrobot.planning.tally import COMPARED, Tally
 from qrobot.problem import AisleWarehouse, Instance
 
-__all__ = ["BatchLoop", "RandomSource", "SamplerSource", "Source", "Tally"]
+__all__ = ["BatchLoop", "RandomSource", "SamplerSource", "Source"]
 
 READS = 10
 """Proposals of a round from each model, unless the caller says so."""
 
-STEPS, MOVES = 40, 1_000
-"""Repair of a proposal: temperatures, and moves at each."""
+PARTS = 100
+"""Neighbourhoods of a round."""
+
+USUAL = 5.0
+"""Mean rank of the plan whose neighbourhood is taken."""
+
+STEPS, MOVES, FEW = 40, 1_000, 100
+"""Repair of a proposal: temperatures, and moves at each; few where a good plan is near."""
 
 WARM, COLD = 0.02, 0.002
 """First and last temperature of the repair, as shares of a mean trip."""
@@ -51,9 +59,6 @@ SPARE_TRIPS = 2
 
 PLANS, COLUMNS = 40, 400
 """Best plans that are kept, and batches of them in the selection."""
-
-COMPARED = 100
-"""Proposals whose distances to each other are measured."""
 
 
 class Source(Protocol):
@@ -107,63 +112,6 @@ class RandomSource:
         return model.draw(reads, np.random.default_rng(seed))
 
 
-@dataclass(slots=True)
-class Tally:
-    """What the proposals of a model were by themselves, and what repair made of them.
-
-    Parameters
-    ----------
-    variables
-        Of the largest model.
-    lengths
-        Of the proposals that are plans as they are.
-    repaired
-        Of all that repair made plans of.
-    proposals
-        How many there were.
-    partitions, repaired_partitions
-        The first `COMPARED` of each.
-    """
-
-    variables: int = 0
-    proposals: int = 0
-    lengths: list[float] = field(default_factory=list)
-    repaired: list[float] = field(default_factory=list)
-    partitions: list[Ints] = field(default_factory=list)
-    repaired_partitions: list[Ints] = field(default_factory=list)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the figures as plain data."""
-        return {
-            "variables": self.variables,
-            "proposals": self.proposals,
-            "plans": len(self.lengths),
-            "best": min(self.lengths, default=None),
-            "mean": float(np.mean(self.lengths)) if self.lengths else None,
-            "repaired": len(self.repaired),
-            "repaired_best": min(self.repaired, default=None),
-            "repaired_mean": float(np.mean(self.repaired)) if self.repaired else None,
-            "repaired_spread": float(np.std(self.repaired)) if self.repaired else None,
-            "diversity": mean_distance(self.partitions),
-            "repaired_diversity": mean_distance(self.repaired_partitions),
-        }
-
-
-def mean_distance(partitions: list[Ints]) -> float | None:
-    """Return the mean distance of all pairs of partitions, None where there is no pair.
-
-    The distance is the share of pairs of orders on one trip in either that are not in both.
-    """
-    if len(partitions) < 2:
-        return None
-    rows, columns = np.triu_indices(partitions[0].size, 1)
-    shared = np.array([(p[rows] == p[columns]) & (p[rows] >= 0) for p in partitions], dtype=float)
-    both = np.asarray(np.matmul(shared, shared.T))
-    sizes = both.diagonal()
-    either = np.maximum(sizes[:, None] + sizes[None, :] - both, 1.0)
-    return float(1.0 - (both / either)[np.triu_indices(len(partitions), 1)].mean())
-
-
 class BatchLoop:
     """One run of the loop.
 
@@ -179,6 +127,8 @@ class BatchLoop:
         Told the routes and the length of every better plan.
     variables
         Most that a model may have.
+    repairs
+        Whether proposals are repaired; without, plans are the source's own.
 
     Raises
     ------
@@ -193,9 +143,11 @@ class BatchLoop:
         source: Source,
         on_best: OnBest | None = None,
         variables: int = MAX_VARIABLES,
+        *,
+        repairs: bool = True,
     ) -> None:
         assert isinstance(instance.warehouse, AisleWarehouse)
-        self.source, self.seed, self._on_best = source, seed, on_best
+        self.source, self.seed, self._on_best, self.repairs = source, seed, on_best, repairs
         orders = orders_of(instance)
         self.trips = Trips(instance)
         packed = len(np.unique(first_fit(orders)))
@@ -218,8 +170,9 @@ class BatchLoop:
         self.plans: dict[frozenset[Batch], float] = {}
         self.best = math.inf
         self.work = self.rounds = 0
-        self.assignment, self.selection = Tally(), Tally()
+        self.assignment, self.neighbourhood, self.selection = Tally(), Tally(), Tally()
         self.surrogate = Surrogate(orders, self._length, self.rng)
+        self._parts = Neighbourhoods(orders, self.surrogate, self._length, self.rng)
 
     def run(
         self,
@@ -232,35 +185,70 @@ class BatchLoop:
 
         There is a proposal even when time is up.
         """
-        stop = stop.within(max_work=most)
+        stop, reads = stop.within(max_work=most), reads or READS
         while True:
-            self._round(self.assignment, self._assignment(), reads or READS, stop)
+            self._ask(self.assignment, self._assignment(), reads, stop)
+            if not self.plans:
+                self._pack()
+            for _ in range(PARTS if self.plans else 0):
+                if stop(self.work):
+                    break
+                self._ask_part(reads, stop)
             if self.plans and not stop(self.work):
-                self._round(self.selection, self._selection(), reads or READS, stop)
+                self._ask(self.selection, self._selection(), reads, stop)
             self.rounds += 1
             if stop(self.work) or self.rounds == rounds:
                 break
 
-    def _round(self, tally: Tally, made: tuple[BatchModel, float], reads: int, stop: Stop) -> None:
+    def _pack(self) -> None:
+        """Begin from a first packing, if it has no overload."""
+        first, orders = first_fit(self.orders), self.orders
+        loads = np.bincount(first, orders.weights, len(orders.capacities))
+        if (loads <= orders.capacities).all():
+            self._keep(self._batches(first))
+
+    def _ask_part(self, reads: int, stop: Stop) -> None:
+        """Let a few trips of a good plan be dealt out anew."""
+        plans = self._best_plans()
+        at = min(int(self.rng.geometric(1.0 / USUAL)) - 1, len(plans) - 1)
+        part = self._parts.draw(plans[at])
+        self._ask(self.neighbourhood, self._parts.model(part), reads, stop, part)
+
+    def _ask(
+        self,
+        tally: Tally,
+        made: tuple[BatchModel, float],
+        reads: int,
+        stop: Stop,
+        part: Neighbourhood | None = None,
+    ) -> None:
+        """Take proposals, price those that are plans, then repair: all, or of a part the best."""
         model, scale = made
         if stop.max_work is not None:
             reads = min(reads, max(1, stop.max_work - self.work))
         seed = int(self.rng.integers(2**31 - 1))
         found = self.source.propose(model, scale, reads, stop, seed)
+        proposed = found.trips if part is None else part.completed(found.trips)
         tally.variables = max(tally.variables, model.bqm.num_variables)
-        tally.proposals += len(found.trips)
-        self.work += len(found.trips)
-        room = COMPARED - len(tally.partitions)
-        tally.partitions += list(found.trips[: max(0, room)])
+        tally.proposals += len(proposed)
+        self.work += len(proposed)
+        tally.partitions += list(proposed[: max(0, COMPARED - len(tally.partitions))])
         # All are priced before any is changed.
-        for trips in found.trips[found.feasible]:
-            tally.lengths.append(self._keep(self._batches(trips)))
-        for trips in found.trips:
+        lengths = np.full(len(proposed), np.inf)
+        before = self.best
+        for read in np.flatnonzero(found.feasible).tolist():
+            lengths[read] = self._keep(self._batches(proposed[read]))
+        tally.lengths += lengths[found.feasible].tolist()
+        tally.better += self.best < before - 1e-9
+        if part is not None:
+            broken = found.overload + len(self.orders.weights) * (found.missing + found.repeated)
+            proposed = proposed[np.lexsort((lengths, broken))[:1]]
+        for trips in proposed if self.repairs else ():
             if stop() and self.plans:
                 break
-            self._repair(tally, trips)
+            self._repair(tally, trips, MOVES if part is None else FEW)
 
-    def _repair(self, tally: Tally, trips: Ints) -> None:
+    def _repair(self, tally: Tally, trips: Ints, moves: int) -> None:
         """Make a plan of a proposal by a fixed number of moves, through priced overload."""
         orders, state = self.orders, self.state
         start = self._completed(trips)
@@ -273,14 +261,15 @@ class BatchLoop:
         state.figures[0] = scale / max(1, int(orders.capacities[0]))
         for step in range(STEPS):
             heat = scale * WARM * (COLD / WARM) ** (step / (STEPS - 1))
-            _, over = anneal(orders, state, MOVES, heat, -np.inf)
+            _, over = anneal(orders, state, moves, heat, -np.inf)
             price = state.figures[0] * (DEARER if over else CHEAPER)
             usual = scale / max(1, int(orders.capacities[0]))
             state.figures[0] = min(max(price, 0.02 * usual), 20.0 * usual)
         if state.best[0] < 0:
             return
-        made = state.best.copy()
+        made, before = state.best.copy(), self.best
         tally.repaired.append(self._keep(self._batches(made)))
+        tally.repaired_better += self.best < before - 1e-9
         if len(tally.repaired_partitions) < COMPARED:
             tally.repaired_partitions.append(made)
 
@@ -354,5 +343,6 @@ class BatchLoop:
             "rounds": self.rounds,
             "best": None if math.isinf(self.best) else self.best,
             "assignment": self.assignment.to_dict(),
+            "neighbourhood": self.neighbourhood.to_dict(),
             "selection": self.selection.to_dict(),
         }

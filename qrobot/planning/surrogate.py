@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from qrobot._arrays import Floats
+from qrobot._arrays import Bools, Floats, Ints
 from qrobot.backends.classical.orders import Batch, Orders, lengths_of
 
 __all__ = ["Surrogate"]
@@ -51,6 +51,42 @@ class Surrogate:
     def alone(self) -> Floats:
         """What each order adds by itself, shape (orders,)."""
         return np.asarray(self._fitted[0] * self._orders.alone)
+
+    @property
+    def pairs(self) -> Floats:
+        """What each pair saves on a common trip by the fit alone, shape (orders, orders)."""
+        found = self._fitted[1] * self._saved + self._fitted[2]
+        np.fill_diagonal(found, 0.0)
+        return np.asarray(-found)
+
+    def fitted(
+        self, orders: Ints, rows: Bools, lengths: Floats, ridge: float
+    ) -> tuple[Floats, Floats]:
+        """Return what some orders add alone and save in pairs, fitted to batches of just these.
+
+        Parameters
+        ----------
+        orders
+            Shape (n,).
+        rows
+            Shape (batches, n): which of them each batch holds.
+        lengths
+            Shape (batches,): of their shortest tours.
+        ridge
+            Pull towards the fit of all orders: weight of a squared difference beside a batch's.
+        """
+        count = len(orders)
+        first, second = np.triu_indices(count, 1)
+        facts = np.hstack([rows, -1.0 * (rows[:, first] & rows[:, second])])
+        pairs = self.pairs[np.ix_(orders, orders)]
+        known = np.concatenate([self.alone[orders], pairs[first, second]])
+        # Fewer batches than coefficients: ridge regression in its dual form.
+        kernel = np.asarray(np.matmul(facts, facts.T)) + ridge * np.eye(len(rows))
+        missed = lengths - np.asarray(np.matmul(facts, known))
+        known = known + np.asarray(np.matmul(facts.T, np.linalg.solve(kernel, missed)))
+        savings = np.zeros((count, count))
+        savings[first, second] = savings[second, first] = known[count:]
+        return known[:count], savings
 
     def savings(self, plans: Iterable[Iterable[Batch]]) -> Floats:
         """Return what each pair saves on a common trip, shape (orders, orders).

@@ -37,12 +37,18 @@ class Relaxed:
         No tour is shorter, metres.
     arcs, choices
         Shape (arcs,) and (choices,): no tour that uses it is shorter.
+    prices
+        Shape (articles,): of a piece.
+    back
+        Shape (nodes,): least cost from each to the last, less the prices of what is passed.
     """
 
     network: Network
     bound: float
     arcs: Floats
     choices: Floats
+    prices: Floats
+    back: Floats
 
     def within(self, length: float) -> Network:
         """Return the network of what may be on a tour of at most this length."""
@@ -105,7 +111,8 @@ def relax(network: Network) -> Relaxed:
         reduced, _ = path(prices)
         value = float(ahead[-1] + prices @ asked)
         if not np.isfinite(value):
-            return Relaxed(network, np.inf, ahead[network.tails], np.full(len(costs), np.inf))
+            never = np.full(len(costs), np.inf)
+            return Relaxed(network, np.inf, ahead[network.tails], never, prices, back)
         stalled = 0 if value > best * 1.001 else stalled + 1
         if value > best:
             best, chosen = value, prices
@@ -132,7 +139,7 @@ def relax(network: Network) -> Relaxed:
     np.minimum.at(cheapest, group, arcs)
     choices = np.empty(len(costs))
     choices[order] = np.repeat(cheapest[:-1] - least[:-1], sizes) + reduced
-    return Relaxed(network, float(ahead[-1]) + add, arcs, choices)
+    return Relaxed(network, float(ahead[-1]) + add, arcs, choices, chosen, back)
 
 
 def _sweep(tails: Any, heads: Any, costs: Any, ahead: Any, came: Any, back: Any, both: Any) -> None:

@@ -169,31 +169,42 @@ def _choices(
     length: float, offsets: Floats, amounts: Numbers, asked: Numbers
 ) -> list[tuple[int, float, Numbers, list[int]]]:
     """Return kind, cost, pieces and places of the choices that no other one replaces."""
-    places = sorted(set(offsets.tolist()))
+    places = np.unique(offsets)
     level = np.searchsorted(places, offsets)
     count = len(places)
-    found: list[tuple[int, float, Numbers, list[int]]] = []
-
-    def add(kind: str, cost: float, front: int, back: int) -> None:
-        """Add a choice that passes the first so many places, and those from `back` on."""
-        rows = np.flatnonzero((level < front) | (level >= back))
-        total = np.minimum(amounts[rows].sum(axis=0), asked)
-        found.append((KINDS.index(kind), cost, total, rows.tolist()))
-
-    add("pass", length, count, count)
-    add("twice", 2 * length, count, count)
-    for reach in range(1, count + 1):
-        add("front", 2 * places[reach - 1], reach, count)
-        add("back", 2 * (length - places[count - reach]), 0, count - reach)
-        for back in range(reach, count):
-            add("both", 2 * (places[reach - 1] + length - places[back]), reach, back)
+    here = np.flatnonzero(amounts.any(axis=0))  # other articles cannot be told apart by
+    there = np.zeros((count + 1, len(here)), dtype=np.int64)
+    np.add.at(there[1:], level, amounts[:, here])
+    first = np.cumsum(there, axis=0)  # pieces in the first so many places
+    last = first[-1] - first  # and from each on
+    out = np.append(0.0, 2 * places)
+    back = np.append(2 * (length - places), 0.0)
+    reach, rest = np.triu_indices(count + 1)
+    # Both ends are entered, and something between is left out or nothing is.
+    partly = (reach > 0) & (rest < count) & (rest >= reach)
+    ways = [
+        ("pass", [length], [count], [count]),
+        ("twice", [2 * length], [count], [count]),
+        ("front", out[1:], range(1, count + 1), [count] * count),
+        ("back", back[:-1], [0] * count, range(count)),
+        ("both", (out[reach] + back[rest])[partly], reach[partly], rest[partly]),
+    ]
     kept = []
-    for kind in range(1, PLAIN):
-        same = sorted((f for f in found if f[0] == kind), key=lambda f: f[1])
-        totals = np.array([f[2] for f in same], dtype=np.int64).reshape(len(same), len(asked))
-        for i, one in enumerate(same):
-            if not (totals[:i] >= totals[i]).all(axis=1).any():
-                kept.append(one)
+    for kind, prices, fronts, backs in ways:
+        cost, front, rear = np.array(prices), np.array(fronts), np.array(backs)
+        total = np.minimum(first[front] + last[rear], asked[here])
+        order = np.argsort(cost, kind="stable")
+        better = np.empty_like(total)
+        found = 0
+        for k in order.tolist():
+            if (better[:found] >= total[k]).all(axis=1).any():
+                continue
+            better[found] = total[k]
+            found += 1
+            pieces = np.zeros(len(asked), dtype=np.int64)
+            pieces[here] = total[k]
+            rows = np.flatnonzero((level < front[k]) | (level >= rear[k])).tolist()
+            kept.append((KINDS.index(kind), float(cost[k]), pieces, rows))
     return kept
 
 

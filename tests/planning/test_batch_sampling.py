@@ -22,7 +22,9 @@ from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
 if not _jit.available():
     pytest.skip("numba is not installed", allow_module_level=True)
 
-from qrobot.planning.proposals import BatchLoop, RandomSource, mean_distance
+from qrobot.planning.neighbourhoods import Neighbourhoods
+from qrobot.planning.proposals import BatchLoop, RandomSource
+from qrobot.planning.tally import mean_distance
 
 
 def whole_orders(count: int, robots: int, seed: int = 0, room: int = 9) -> Instance:
@@ -56,17 +58,23 @@ class Zeros(PickingSampler):
 
 
 @pytest.mark.parametrize("backend", ["neal", "tabu", "descent"])
-def test_a_sampler_batches_more_orders_than_sequences_allow(backend: str) -> None:
+def test_a_sampler_batches_more_orders_than_sequences_allow(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("qrobot.planning.proposals.PARTS", 2)
     instance = whole_orders(12, 12)
-    first = qrobot.solve(instance, backend=backend, max_work=16, seed=3)
+    work = 10 + 20 + 6
+    first = qrobot.solve(instance, backend=backend, max_work=work, seed=3)
     assert check(first.plan, instance).ok
     assert first.sampler is not None
     assert first.sampler.encoding == "batches"
-    assert first.work[backend] == 16
+    assert first.work[backend] == work
     parts = first.sampler.details["batches"]
     assert first.sampler.reads == parts["assignment"]["proposals"] == 10
+    assert parts["neighbourhood"]["proposals"] == 20
     assert parts["selection"]["proposals"] == 6
-    again = qrobot.solve(instance, backend=backend, max_work=16, seed=3)
+    assert parts["neighbourhood"]["variables"] < parts["assignment"]["variables"]
+    again = qrobot.solve(instance, backend=backend, max_work=work, seed=3)
     assert again.plan.to_dict() == first.plan.to_dict()
     assert again.sampler == first.sampler
 
@@ -88,11 +96,11 @@ def test_what_repair_did_is_not_the_samplers(monkeypatch: pytest.MonkeyPatch) ->
     assert result.sampler.best is None
     assert result.sampler.polished_best == pytest.approx(result.cost)
     control = result.sampler.details["control"]
-    parts = ("assignment", "selection")
+    parts = ("assignment", "neighbourhood", "selection")
     assert sum(control[part]["proposals"] for part in parts) == 12
     assert result.sampler.control_best is not None
     assert "no feasible read" in result.summary()
-    assert "repair made plans of 12 of 12 proposals" in result.summary()
+    assert "repair made plans of 11 of 12 proposals" in result.summary()
 
 
 def test_the_loop_prices_by_exact_tours_and_counts_every_proposal() -> None:
@@ -106,7 +114,7 @@ def test_the_loop_prices_by_exact_tours_and_counts_every_proposal() -> None:
     )
     loop.run(Stop(max_work=25), reads=5)
     assert loop.work == 25
-    assert loop.assignment.proposals + loop.selection.proposals == 25
+    assert loop.assignment.proposals + loop.neighbourhood.proposals == 25
     assert kept
     for told, measured in kept:
         assert told == pytest.approx(measured)
@@ -153,6 +161,35 @@ def test_when_batches_are_sampled() -> None:
 def test_a_model_too_large_for_the_sampler_is_refused() -> None:
     with pytest.raises(InputError, match="binary variables"):
         BatchLoop(whole_orders(12, 12), 0, RandomSource(), variables=20)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_neighbourhood_deals_out_whole_trips_and_its_fit_knows_them(seed: int) -> None:
+    loop = BatchLoop(whole_orders(12, 12, seed=seed), seed, RandomSource())
+    loop.run(Stop(max_work=10))
+    plan = min(loop.plans, key=lambda p: (loop.plans[p], sorted(p)))
+    found = Neighbourhoods(loop.orders, loop.surrogate, loop._length, loop.rng)
+    for _ in range(5):
+        part = found.draw(plan)
+        batches = [frozenset(part.orders[group].tolist()) for group in part.groups]
+        assert {frozenset(batch) for batch in plan} >= set(batches)
+        assert part.groups.sum(axis=0).tolist() == [1] * len(part.orders)
+        as_it_is = part.groups.argmax(axis=0)
+        assert loop._batches(part.completed(as_it_is[None])[0]) == plan
+        # The energy of the trips as they are is nearly their length: they are in the fit.
+        model, _ = found.model(part)
+        length = sum(loop._length(tuple(sorted(batch))) for batch in batches)
+        assert model.bqm.energy(model.encode(as_it_is)) == pytest.approx(length, rel=0.1)
+
+
+def test_without_repair_every_plan_is_proposed() -> None:
+    loop = BatchLoop(whole_orders(10, 10, seed=1), 2, RandomSource(), repairs=False)
+    loop.run(Stop(max_work=400))
+    tallies = (loop.assignment, loop.neighbourhood, loop.selection)
+    assert not any(tally.repaired for tally in tallies)
+    assert sum(len(tally.lengths) for tally in tallies) > 0
+    told = min(min(tally.lengths, default=np.inf) for tally in tallies)
+    assert loop.best <= told + 1e-9
 
 
 def test_the_distance_of_partitions() -> None:

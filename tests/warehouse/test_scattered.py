@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import qrobot
+from qrobot import _jit
 from qrobot.backends import Stop
 from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot, Stock
@@ -185,6 +186,28 @@ def test_too_little_in_a_file_is_one_sentence(tmp_path: Path) -> None:
     path.write_text(text.format(4))
     with pytest.raises(InputError, match="more pieces of article 0 are asked for than SKU_SECTION"):
         qrobot.read(path)
+
+
+@pytest.mark.skipif(not _jit.available(), reason="numba is not installed")
+@pytest.mark.parametrize("unit", [True, False])
+def test_labels_find_what_the_integer_programme_finds(
+    unit: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    questions = [random_question(seed, unit=unit, blocks=2) for seed in range(20, 24)]
+
+    def never(*_: object) -> None:
+        pytest.fail("the integer programme was asked")
+
+    with monkeypatch.context() as only_labels:
+        only_labels.setattr("qrobot.backends.classical.scattered._solve", never)
+        first = [choose_places(one, Stop()) for one in questions]
+    monkeypatch.setattr("qrobot.warehouse.labels.FIRST", 1)  # too many labels at once
+    monkeypatch.setattr("qrobot.warehouse.labels.LABELS", 1)
+    second = [choose_places(one, Stop()) for one in questions]
+    for one, other in zip(first, second, strict=True):
+        assert one is not None
+        assert other is not None
+        assert one.bound == pytest.approx(other.bound)
 
 
 LOWER = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from qrobot import _jit
@@ -11,7 +12,7 @@ from qrobot.backends.base import Stop
 from qrobot.problem import AisleWarehouse, Instance
 from qrobot.warehouse import MAX_CROSS_AISLES
 
-__all__ = ["LOADING", "NOT_COMPILED", "compiled_soon", "takes"]
+__all__ = ["LOADING", "NOT_COMPILED", "PLACES", "compiled_soon", "takes"]
 
 COMPILING = 120.0
 """Seconds that compiling may take on a small robot: with less time, only cached kernels run."""
@@ -25,6 +26,10 @@ NOT_COMPILED = (
 )
 
 KERNELS = (("batching/annealing.py", "_anneal"), ("generation/batches.py", "_list_batches"))
+"""Of searches for batches: file and function."""
+
+PLACES = (("../../warehouse/labels.py", "_label"),)
+"""Of the choice of places."""
 
 
 def takes(instance: Instance) -> bool:
@@ -39,8 +44,8 @@ def takes(instance: Instance) -> bool:
     )
 
 
-def compiled_soon(stop: Stop) -> bool:
-    """Return whether the kernels are in numba's cache, or may be compiled now.
+def compiled_soon(stop: Stop, kernels: Sequence[tuple[str, str]] = KERNELS) -> bool:
+    """Return whether kernels are in numba's cache, or may be compiled now.
 
     They may where the time allows it, unless the environment says ``QROBOT_COMPILE=0``: in
     containers, whose caches end with them.
@@ -50,4 +55,4 @@ def compiled_soon(stop: Stop) -> bool:
     if stop.remaining >= COMPILING and os.environ.get("QROBOT_COMPILE") != "0":
         return True
     here = Path(__file__).parent
-    return all(_jit.is_cached(here / file, name) for file, name in KERNELS)
+    return all(_jit.is_cached(here / file, name) for file, name in kernels)

@@ -10,18 +10,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from qrobot import _jit
 from qrobot._extras import is_installed
 from qrobot.backends.base import Stop
 from qrobot.backends.classical import cpsat
+from qrobot.backends.classical.aisles import PLACES, compiled_soon
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Place, Slot
 from qrobot.warehouse import MAX_CROSS_AISLES, Router
-from qrobot.warehouse.prices import relax
+from qrobot.warehouse.prices import Relaxed, relax
 from qrobot.warehouse.scattered import Network, Offer, network_of, step_of
 
 __all__ = ["Placed", "can_choose", "choose_places"]
 
 FIRST = 0.01
 """The first search looks at tours that are longer than the bound by this share."""
+
+WIDEST = 0.02
+"""Labels are made for tours longer than the bound by at most this share at a time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,9 +107,13 @@ def _shortest(network: Network, step: float, stop: Stop) -> tuple[set[int] | Non
     if math.isinf(relaxed.bound):
         return None, 0.0
     bound = math.ceil(relaxed.bound / step - 1e-6) * step
+    if _jit.available() and compiled_soon(stop, PLACES):
+        bound, chosen = _by_labels(relaxed, bound, step, stop)
+        if chosen is not None:
+            return chosen, bound
     room = max(2.0, math.ceil(FIRST * bound / step)) * step
     limit = bound + room
-    chosen: set[int] | None = None
+    chosen = None
     finite = [every[np.isfinite(every)] for every in (relaxed.arcs, relaxed.choices)]
     all_in = max((float(every.max()) for every in finite if every.size), default=0.0)
     while not stop():
@@ -121,6 +130,23 @@ def _shortest(network: Network, step: float, stop: Stop) -> tuple[set[int] | Non
         bound = max(bound, limit)
         limit, room = (length, room) if math.isfinite(length) else (limit + 4 * room, 4 * room)
     return chosen, bound
+
+
+def _by_labels(
+    relaxed: Relaxed, bound: float, step: float, stop: Stop
+) -> tuple[float, set[int] | None]:
+    """Return the length of a shortest tour and its offers; a better bound where labels are many."""
+    from qrobot.warehouse.labels import shortest_within  # imports numba
+
+    room = 0.0
+    while not stop():
+        found = shortest_within(relaxed, bound + room + step / 4)
+        if found is None:
+            break
+        if found[1]:
+            return found
+        bound, room = bound + room + step, min(max(step, 2.0 * room), WIDEST * bound)
+    return bound, None
 
 
 def _solve(network: Network, stop: Stop) -> tuple[float, set[int] | None] | None:
