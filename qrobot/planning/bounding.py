@@ -98,10 +98,12 @@ def bound_from_below(run: Run) -> None:
     with run.timed("bound"):
         if _proved(run):
             return
-        run.best.raise_bound(quick_bound(run.instance))
         stop = share_of(run.stop, 1.0, BOUND_SECONDS)
         if run.check_seconds:
             stop = stop.within(max(stop.remaining - run.check_seconds, 0.0))
+        if stop.remaining <= 0 and run.best.bound > 0:
+            return  # even to begin takes tenths of a second of two thousand stops
+        run.best.raise_bound(quick_bound(run.instance))
         if ExactPlanner.name not in run.record.steps:
             run.best.raise_bound(bound_of_batches(run.instance, run.best.routes, stop))
         part = _Paced(stop)

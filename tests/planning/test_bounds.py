@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise, permutations
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -27,7 +30,18 @@ from qrobot.planning.bounds import (
 )
 from qrobot.planning.bounds.quick import shortest_ways
 from qrobot.planning.run import Run
-from qrobot.problem import AisleWarehouse, DistanceTable, Instance, Item, Node, Order, Robot, Slot
+from qrobot.problem import (
+    AisleWarehouse,
+    DistanceTable,
+    Instance,
+    Item,
+    Node,
+    OpenFloor,
+    Order,
+    Point,
+    Robot,
+    Slot,
+)
 
 
 def never() -> bool:
@@ -49,6 +63,28 @@ def wave(orders: int, lines: int, seed: int = 0, *, room: int = 40) -> Instance:
     fleet = tuple(Robot(f"R{k}", Fraction(room)) for k in range(2 * -(-total // room)))
     layout = AisleWarehouse(aisles=20, slots=20)
     return Instance(layout, tuple(items), tuple(lots), fleet)
+
+
+def as_it_is(instance: Instance) -> Instance:
+    """Unchanged."""
+    return instance
+
+
+def on_a_floor(instance: Instance, rounding: Literal["none", "nearest"] = "none") -> Instance:
+    """Its slots as points of a floor."""
+    items = tuple(
+        replace(i, place=Point(3.0 * i.place.aisle, 1.5 * i.place.slot))
+        for i in instance.items
+        if isinstance(i.place, Slot)
+    )
+    return replace(instance, warehouse=OpenFloor(0, 0, rounding=rounding), items=items)
+
+
+def as_a_table(instance: Instance) -> Instance:
+    """Its distances as a table, which is not known to obey the triangle inequality."""
+    table = DistanceTable(tuple(map(tuple, instance.distances.tolist())))
+    items = tuple(replace(i, place=Node(k + 1)) for k, i in enumerate(instance.items))
+    return replace(instance, warehouse=table, items=items)
 
 
 def radial_of_the_literature(instance: Instance) -> float:
@@ -99,14 +135,34 @@ def test_shortest_ways_obey_the_triangle_and_exceed_nothing(instance: Instance) 
     assert radial_bound(instance) >= away * (1 - 1e-9)
 
 
+@pytest.mark.parametrize("laid", [as_it_is, on_a_floor, as_a_table])
 @pytest.mark.parametrize(("orders", "lines"), [(40, 1), (40, 4), (300, 1), (150, 3), (900, 1)])
-def test_large_waves_are_bounded_by_their_ways_out_and_back(orders: int, lines: int) -> None:
-    instance = wave(orders, lines)
+def test_large_waves_are_bounded_by_their_ways_out_and_back(
+    orders: int, lines: int, laid: Callable[[Instance], Instance]
+) -> None:
+    instance = laid(wave(orders, lines))
     bound = quick_bound(instance)
     assert bound >= radial_of_the_literature(instance) * (1 - 1e-12)
     routes = instance.first_routes()
     assert routes is not None
     assert bound <= instance.length(routes)
+
+
+@pytest.mark.parametrize("laid", ["aisles", "floor", "table"])
+@pytest.mark.parametrize(
+    "backend", ["auto", "batching", "savings", "seed", "fcfs", "pyvrp", "neal"]
+)
+def test_every_backend_tells_at_least_the_ways_out_and_back(backend: str, laid: str) -> None:
+    """Whatever searches, and however little: the ways out and back are in its result."""
+    if backend == "pyvrp":
+        pytest.importorskip("pyvrp")
+    if backend == "neal" and laid != "aisles":
+        pytest.skip("a model of so many stops is refused")
+    instance = wave(60, 1 if backend == "pyvrp" else 2)
+    if laid != "aisles":
+        instance = on_a_floor(instance) if laid == "floor" else as_a_table(instance)
+    found = qrobot.solve(instance, backend=backend, max_work=1)
+    assert radial_of_the_literature(instance) * (1 - 1e-9) <= found.bound <= found.cost
 
 
 def test_unlike_robots_are_filled_the_largest_first() -> None:
@@ -123,6 +179,62 @@ def test_loaded_walks_take_more_than_250_stops() -> None:
     """A few items a trip: the walks say more than the ways out and back do."""
     instance = paper_shaped(260, 40, 1)
     assert walk_bound(instance, math.inf, never, 60) > 1.02 * quick_bound(instance)
+
+
+def pairs_on_a_trip(stops: int, rounding: Literal["none", "nearest"], light: int = 0) -> Instance:
+    """Two stops of 4 on a robot of 10: a fifth of each trip is empty, which walks see."""
+    rng = np.random.default_rng(stops)
+    items = tuple(
+        Item(
+            f"i{k}",
+            Fraction(0 if k < light else 4 - (k == light)),
+            Point(*rng.integers(500, 1500, 2).tolist()),
+        )
+        for k in range(stops)
+    )
+    orders = tuple(Order(item.id, (item.id,)) for item in items)
+    robots = tuple(Robot(f"R{k}", Fraction(10)) for k in range(stops))
+    return Instance(OpenFloor(0, 0, rounding=rounding), items, orders, robots)
+
+
+def test_loads_of_large_waves_keep_their_steps() -> None:
+    """1,500 stops: rounding up to steps of 2 would leave five of a load of 10, and no bound."""
+    instance = pairs_on_a_trip(1_500, "none")
+    bound = walk_bound(instance, math.inf, never, 1)
+    routes = instance.first_routes()
+    assert routes is not None
+    assert quick_bound(instance) < bound <= instance.length(routes)
+
+
+@pytest.mark.parametrize("laid", [as_it_is, as_a_table])
+def test_loaded_walks_go_round_few_light_stops_at_any_size(
+    laid: Callable[[Instance], Instance],
+) -> None:
+    """Shortest ways over the stops that are left out, not over all 900."""
+    instance = laid(pairs_on_a_trip(900, "nearest", light=20))
+    routes = instance.first_routes()
+    assert routes is not None
+    bound = walk_bound(instance, math.inf, never, 1)
+    assert quick_bound(instance) < bound <= instance.length(routes)
+
+
+@settings(deadline=None, max_examples=40)
+@given(instances(min_items=2, max_items=7, feasible=True), st.data())
+def test_ways_over_some_stops_are_the_shortest_over_these(
+    instance: Instance, data: st.DataObject
+) -> None:
+    """Against all sequences of the stops that a way may lead over."""
+    d = instance.stop_distances
+    over = data.draw(st.lists(st.integers(1, len(d) - 1), unique=True, max_size=3))
+    s = shortest_ways(instance, never, over)
+    assert s is not None
+    for a, b in permutations(range(len(d)), 2):
+        ways = [
+            sum(d[x, y] for x, y in pairwise((a, *between, b)))
+            for k in range(len(over) + 1)
+            for between in permutations([v for v in over if v not in (a, b)], k)
+        ]
+        assert s[a, b] == pytest.approx(min(ways))
 
 
 def test_loaded_walks_leave_light_stops_out_of_tables_too() -> None:

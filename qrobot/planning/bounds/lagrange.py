@@ -139,7 +139,7 @@ def walk_bound(
     ----------
     instance
         The question. Where some rounded load is zero, the stop is left out, which needs the
-        triangle inequality: then the walks run on `shortest_ways`.
+        triangle inequality: then the walks run on `shortest_ways` over the stops left out.
     upper
         Distance of a known plan, ``inf`` without one: sets the length of the steps.
     stop, rounds
@@ -157,13 +157,17 @@ def walk_bound(
     if not weights.any():
         return best
     capacity = int(min(instance.vehicle_capacities.max(), weights.sum()))
-    step = -(-capacity // load_steps(instance))
+    steps = load_steps(instance)
+    if steps < min(MIN_LOAD_STEPS, capacity):
+        return best  # above 1,581 stops: so coarse that the ways out and back say as much
+    # Rounded up, but never to fewer steps than that.
+    step = max(1, min(-(-capacity // steps), capacity // MIN_LOAD_STEPS))
     loads = weights // step
     kept = loads > 0
-    if capacity // step < min(MIN_LOAD_STEPS, capacity) or np.count_nonzero(kept) < 2:
+    if np.count_nonzero(kept) < 2:
         return best
     if not kept.all():
-        shorter = shortest_ways(instance, stop)
+        shorter = shortest_ways(instance, stop, (np.flatnonzero(~kept) + 1).tolist())
         if shorter is None:
             return best
         d = shorter

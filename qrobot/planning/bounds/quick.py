@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -18,9 +18,8 @@ __all__ = [
     "shortest_ways",
 ]
 
-
-MAX_SHORTCUTS = 700
-"""Stops beyond which nobody looks for all shorter ways over third places."""
+MAX_SHORTCUTS = 350_000_000
+"""Pairs of stops times places on the way, beyond which nobody looks for shorter ways: seconds."""
 
 
 def fewest_trips(instance: Instance) -> int:
@@ -68,7 +67,8 @@ def quick_bound(instance: Instance) -> float:
     if not instance.items:
         return 0.0
     d = instance.stop_distances
-    apart = d + np.where(np.eye(len(d), dtype=bool), np.inf, 0.0)
+    apart = d.copy()
+    np.fill_diagonal(apart, np.inf)
     entered = float(apart[:, 1:].min(axis=0).sum()) + fewest_trips(instance) * float(d[1:, 0].min())
     return max(entered, radial_bound(instance))
 
@@ -121,28 +121,34 @@ def _from_depot(d: Floats) -> Floats:
     return reach
 
 
-def shortest_ways(instance: Instance, stop: Callable[[], bool]) -> Floats | None:
-    """Return distances that obey the triangle inequality and exceed none of the instance's.
+def shortest_ways(
+    instance: Instance, stop: Callable[[], bool], over: Sequence[int] | None = None
+) -> Floats | None:
+    """Return distances that no way over other places is shorter than; no longer than given.
 
     Parameters
     ----------
     instance
         Aisles and floors have such distances by construction; in tables and rounded floors
-        every way becomes the shortest one over any places (Floyd 1962).
+        every way becomes the shortest one over other places (Floyd 1962).
     stop
         Asked for every place.
+    over
+        Rows of the stops that ways may lead over, all by themselves: whoever leaves some
+        stops out of a trip needs shortest ways over these alone, however many others there are.
 
     Returns
     -------
     numpy.ndarray or None
-        ``None`` when stopped, or when there are too many stops.
+        ``None`` when stopped, or when there are too many to look at.
     """
     if instance.warehouse.is_metric:
         return instance.stop_distances
     d = instance.stop_distances.copy()
-    if len(d) > MAX_SHORTCUTS:
+    places = range(len(d)) if over is None else over
+    if len(places) * d.size > MAX_SHORTCUTS:
         return None
-    for k in range(len(d)):
+    for k in places:
         if stop():
             return None
         np.minimum(d, d[:, k, None] + d[None, k, :], out=d)

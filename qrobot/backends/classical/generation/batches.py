@@ -119,9 +119,8 @@ def room_table(weights: Ints, prices: Floats, capacity: int) -> tuple[Floats, in
         weight = int(weights[k]) // scale  # rounded down: more seems to fit than does
         table[k] = table[k + 1]
         if prices[k] > 0.0 and weight <= room:
-            np.maximum(
-                table[k, weight:], table[k + 1, : room + 1 - weight] + prices[k], table[k, weight:]
-            )
+            more = table[k + 1, : room + 1 - weight] + prices[k]
+            table[k, weight:] = np.maximum(table[k, weight:], more)
     return table, scale
 
 
