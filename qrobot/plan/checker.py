@@ -48,8 +48,8 @@ class Problem:
         an unknown ``robot``; too many ``turns`` of one; an ``empty`` trip; an
         ``unreachable`` stop (a way that does not exist); a wrong driving ``time``; a wrong
         ``total``, or ``cost`` by the objective; more taken from a place than its ``stock``; a
-        ``quantity`` of an article that is not what an order asks for; a ``routing`` that is no
-        policy for this warehouse, or stops in a sequence that it does not take.
+        ``quantity`` of an article that is not what an order asks for; a ``routing`` that is not
+        a policy for this warehouse, or stops in a sequence that it does not take.
     text
         One sentence with the numbers.
     """

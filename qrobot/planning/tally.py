@@ -66,7 +66,7 @@ class Tally:
 
 
 def mean_distance(partitions: list[Ints]) -> float | None:
-    """Return the mean distance of all pairs of partitions, None where there is no pair.
+    """Return the mean distance of all pairs of partitions, None for fewer than two.
 
     The distance is the share of pairs of orders on one trip in either that are not in both.
     """

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from qrobot import _jit
 from qrobot.backends import Stop, get
 from qrobot.backends.base import Planner
-from qrobot.backends.classical.batching.lots import _fits_surely, packed
+from qrobot.backends.classical.batching.lots import Lots, fits_surely, packed
+from qrobot.backends.classical.batching.rules import join_by_savings
 from qrobot.backends.classical.exact import ExactPlanner
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
 
-numba = pytest.importorskip("numba", reason="the annealing is compiled: the extra `planners`")
+pytestmark = pytest.mark.skipif(not _jit.available(), reason="numba is not installed")
 
 
 def full_trips(seed: int, orders: int = 12, capacity: int = 30, trips: int = 4) -> Instance:
@@ -81,5 +85,28 @@ def test_loads_lengths_and_overload_are_kept_account_of(seed: int, heat: float) 
 def test_what_surely_fits_is_packed(loads: list[int], trips: int, capacity: int) -> None:
     capacities = np.full(trips, capacity, dtype=np.int64)
     weights = np.array(loads, dtype=np.int64)
-    if _fits_surely(weights, capacities):
+    if fits_surely(weights, capacities):
         assert packed(weights, capacities) is not None
+
+
+@pytest.mark.parametrize("limits", [{}, {"max_work": 10**9}, {"seconds": 1e6}])
+def test_a_request_ends_the_savings_that_many_orders_begin_from(
+    limits: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from qrobot.backends.classical.batching import aisles
+
+    instance = full_trips(0, orders=2 * aisles.MANY, trips=aisles.MANY)
+    stop, joined = Stop(**limits), []
+
+    def join(lots: Lots, part: Stop) -> int:
+        assert not part()
+        stop.request()
+        joined.append(join_by_savings(lots, part))
+        return joined[-1]
+
+    monkeypatch.setattr(aisles, "join_by_savings", join)
+    found = aisles.search_aisles(instance, stop, seed=0)
+    assert joined == [0]
+    assert found.routes is None or sorted(v for r in found.routes for v in r) == list(
+        range(1, 2 * aisles.MANY + 1)
+    )

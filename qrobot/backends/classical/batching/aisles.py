@@ -237,8 +237,10 @@ class _Search:
 
 
 def _begun(instance: Instance, start: Routes | None, stop: Stop) -> Routes | None:
-    """Return a plan by savings, unless the one to start from is shorter."""
-    part = Stop() if stop.max_work is not None else stop.within(BEGIN_SHARE * stop.remaining)
+    """Return a plan by savings, or the one to start from where that is shorter."""
+    # Where work is limited, a clock would make the plan depend on the machine.
+    timed = stop.max_work is None and math.isfinite(stop.remaining)
+    part = Stop(BEGIN_SHARE * stop.remaining if timed else None, parent=stop)
     lots = Lots(instance, part)
     if not lots.possible:
         return start

@@ -12,7 +12,7 @@ from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.backends.classical.batching.tour import improve_tour, tour_length
 from qrobot.problem import Instance
 
-__all__ = ["Lots", "Tours", "packed", "tours_of"]
+__all__ = ["Lots", "Tours", "fits_surely", "packed", "tours_of"]
 
 PROMISING = 25
 """Lots whose common tour with another one is looked for, where no kernel finds it."""
@@ -146,7 +146,7 @@ class Lots:
         loads = self.loads.copy()
         loads[lot] += loads[other]
         left = loads[alive]
-        if not _fits_surely(left, self.capacities) and packed(left, self.capacities) is None:
+        if not fits_surely(left, self.capacities) and packed(left, self.capacities) is None:
             return False
         self.tours.join(lot, other)
         self.loads, self.alive = loads, alive
@@ -164,7 +164,7 @@ class Lots:
         return self.tours.routes([sorted(batch) for batch in batches.values()])
 
 
-def _fits_surely(loads: Ints, capacities: Ints) -> bool:
+def fits_surely(loads: Ints, capacities: Ints) -> bool:
     """Return whether `packed` is sure to find trips, without packing.
 
     On as many equal trips the heaviest loads come first, each onto a trip of its own. Where
