@@ -6,6 +6,9 @@ code goes into a folder of our own below the system's temporary folder. Compiled
 by unpickling, so that folder must belong to this user and be closed to others; otherwise
 nothing is cached. A folder named by NUMBA_CACHE_DIR is taken as it is.
 
+numba takes machine code from its cache as long as the function's own file is the same. Kernels
+contain others, from other files, so their names in the cache have a hash of all of these.
+
 Images and releases bring machine code along, beside the package, where their users cannot write
 and numba therefore does not look. From there it is copied to where numba does: 2 MB, once.
 """
@@ -13,17 +16,19 @@ and numba therefore does not look. From there it is copied to where numba does: 
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import importlib
 import inspect
 import os
+import re
 import shutil
 import stat
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from qrobot._extras import is_installed
 
@@ -67,6 +72,7 @@ def compile_kernel(
     numba: Any = importlib.import_module("numba")
     if inner or inline:
         return _jit(numba, function, sums, inline, cache=False, no_cpython_wrapper=True)
+    function.__qualname__ = _name_of(Path(inspect.getfile(function)), function.__name__)
     if not caching:
         return _jit(numba, function, sums, inline, cache=False)
     if not numba.config.CACHE_DIR:
@@ -131,7 +137,47 @@ def is_cached(source: Path, name: str) -> bool:
 
 def _index_of(source: Path, name: str) -> str:
     """Return a pattern of the name that numba gives the index of a kernel."""
-    return f"{source.stem}.{name}-*.py{sys.version_info[0]}{sys.version_info[1]}.nbi"
+    version = f"py{sys.version_info[0]}{sys.version_info[1]}"
+    return f"{source.stem}.{_name_of(source, name)}-*.{version}.nbi"
+
+
+def _name_of(source: Path, name: str) -> str:
+    """Return the name of a kernel in the cache: with a hash of all that is compiled into it.
+
+    That is its file, those that it takes kernels from, and what these import from the package:
+    constants and types.
+    """
+    parts: dict[Path, str] = {}
+    files = [source]
+    while files:
+        file = files.pop()
+        facts = _facts(file, file.stat().st_mtime_ns)
+        parts[file] = facts.digest
+        if facts.has_kernels or file == source:
+            files += [other for other in facts.imports if other not in parts]
+    digest = hashlib.sha256("".join(sorted(parts.values())).encode()).hexdigest()
+    return f"{name}_{digest[:12]}"
+
+
+class _Facts(NamedTuple):
+    """Of a source file: its hash, whether it has kernels, and which files it imports."""
+
+    digest: str
+    has_kernels: bool
+    imports: tuple[Path, ...]
+
+
+@functools.cache
+def _facts(file: Path, changed: int) -> _Facts:  # noqa: ARG001 - changed: the cache's key
+    text = file.read_bytes()
+    roots = {folder.name: folder.parent for folder in file.parents}
+    imports = []
+    for module in re.findall(rb"^ *from ([\w.]+) import", text, re.MULTILINE):
+        first, *rest = module.decode().split(".")
+        if first in roots and rest:
+            imports.append(roots[first].joinpath(first, *rest).with_suffix(".py"))
+    found = tuple(other for other in imports if other.is_file())
+    return _Facts(hashlib.sha256(text).hexdigest(), b"compile_kernel" in text, found)
 
 
 def _is_fresh(index: Path, source: Path) -> bool:

@@ -100,12 +100,12 @@ print(known, sum(stats.cache_hits.values()), stats.cache_path)
 """
 
 
-def ask(root: Path, **environment: str) -> list[str]:
+def ask(root: Path, script: str = ASK, **environment: str) -> list[str]:
     """Call a kernel in a process of its own; is it cached, was it loaded, and from where."""
     # An account that may write where the mode forbids it loses that right.
     bound = ["setpriv", "--bounding-set=-dac_override"] if os.getuid() == 0 else []
     done = subprocess.run(
-        [*bound, sys.executable, "-c", ASK],
+        [*bound, sys.executable, "-c", script],
         env={"PATH": os.environ["PATH"], "PYTHONPATH": f"{PROJECT}:{root}", "HOME": "/"}
         | environment,
         capture_output=True,
@@ -148,6 +148,36 @@ def test_machine_code_that_came_along_is_used_by_those_who_cannot_write_there(
     place = cache / "NUMBA_CACHE_DIR"
     known, hits, _ = ask(tmp_path, **processor, NUMBA_CACHE_DIR=str(place))
     assert (known, hits) == ("False", "0")
+
+
+@pytest.mark.skipif(not jit.available(), reason="numba is not installed")
+@pytest.mark.parametrize("changed", ["part", "constants"])
+def test_machine_code_is_not_that_of_an_older_part(tmp_path: Path, changed: str) -> None:
+    """The file of the kernel stays as it is; what it calls, or a constant of that, is another."""
+    package = tmp_path / "package"
+    package.mkdir()
+    (package / "constants.py").write_text("FACTOR = 2\n")
+    (package / "part.py").write_text(
+        "from qrobot._jit import compile_kernel\n"
+        "from package.constants import FACTOR\n"
+        "def times(x):\n    return FACTOR * x\n"
+        "times = compile_kernel(times, inner=True)\n"
+    )
+    (package / "kernels.py").write_text(
+        "from qrobot._jit import compile_kernel\n"
+        "from package.part import times\n"
+        "def twice(x):\n    return times(x)\n"
+        "twice = compile_kernel(twice)\n"
+    )
+    place = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert ask(tmp_path, **place)[:2] == ["False", "0"]
+    assert ask(tmp_path, **place)[:2] == ["True", "1"]
+    file = package / f"{changed}.py"
+    text = file.read_text().replace("FACTOR = 2", "FACTOR = 3").replace("FACTOR * x", "3 * x")
+    file.write_text(text)
+    asked = ASK.replace("== 42", "== 63")
+    assert ask(tmp_path, asked, **place)[:2] == ["False", "0"]
+    assert ask(tmp_path, asked, **place)[:2] == ["True", "1"]
 
 
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
