@@ -93,8 +93,7 @@ def bound_from_below(run: Run) -> None:
     """
     if run.best.proven or run.best.routes is None:
         return
-    with run.timed("run"):
-        shorten_trips(run)
+    shorten_trips(run)
     with run.timed("bound"):
         if _proved(run):
             return
