@@ -20,7 +20,9 @@ BEST = json.loads((PROJECT / "benchmarks/results/henn_best.json").read_text())
 def test_batches_have_the_value_that_is_told(entry: dict) -> None:
     instance = qrobot.read(SHARED / entry["file"])
     batches = entry["batches"]
-    assert sorted(sum(batches, [])) == sorted(order.id for order in instance.orders)
+    assert sorted(order for batch in batches for order in batch) == sorted(
+        order.id for order in instance.orders
+    )
     items = {item.id: item for item in instance.items}
     of_order = {order.id: [items[i] for i in order.items] for order in instance.orders}
     router = Router(instance.warehouse, compiled=False)  # the plain sweep
