@@ -201,14 +201,13 @@ def sweep(
         """Take each state's cheapest step of a group."""
         nonlocal now
         steps = flat.steps[flat.starts[group] : flat.starts[group + 1]]
-        total = now[steps[:, 0]] + prices[steps[:, 2]]
-        order = np.lexsort((total, steps[:, 1]))
-        best = order[np.flatnonzero(np.diff(steps[order, 1], prepend=-1))]
+        total, after = now[steps[:, 0]] + prices[steps[:, 2]], steps[:, 1]
         now = np.full(flat.count, np.inf)
-        now[steps[best, 1]] = total[best]
+        np.minimum.at(now, after, total)
         if choices:
             came = np.full((flat.count, 2), -1, dtype=np.int64)
-            came[steps[best, 1]] = steps[best][:, [0, 2]]
+            best = np.flatnonzero(total == now[after])[::-1]  # of equal ones the first is kept
+            came[after[best]] = steps[best][:, [0, 2]]
             kept.append(came)
 
     for column in range(columns[0], columns[1] + 1):
