@@ -7,6 +7,7 @@ VENV ?= .venv
 PROFILE ?= solver
 # pytest's own options: two cores, and whoever is done takes tests from the other.
 PYTEST_ARGS ?= -n 2 --dist worksteal
+TEST_ARGS ?=
 STACK_ARGS ?=
 BENCH_ARGS ?=
 # What `make image` builds: solver, edge or lab; for one or both machines; on trixie (3.13) or
@@ -27,7 +28,7 @@ pip = $(bin)/python -m pip --disable-pip-version-check --no-input --quiet
 # What says more with the SDKs installed than without.
 comma = ,
 image-packages = buildah skopeo mmdebstrap arch-test debian-archive-keyring docker.io iptables qemu-user-static binfmt-support
-stack-tests = tests/pages tests/gate tests/stacks tests/jobs tests/backends tests/study/test_reproduce.py tests/cli \
+stack-tests = tests/pages/test_blocks.py tests/gate tests/stacks tests/jobs tests/backends tests/study/test_reproduce.py tests/cli \
   tests/health/test_answers.py tests/health/test_notebooks.py tests/health/test_profiles.py
 # Which robots: a folder or file; make virtual-pi says the one of the virtual Pi. LIMIT=robot is one of them.
 INVENTORY ?= ansible/inventory
@@ -78,7 +79,7 @@ setup: $(stamp)-dev ## make .venv for development: solver, tests, checks, docs, 
 	@echo "$(VENV) is ready for development"
 
 test: $(stamp)-dev ## run the tests (PYTEST_ARGS="-k name")
-	$(bin)/python -m pytest $(PYTEST_ARGS)
+	$(bin)/python -m pytest $(PYTEST_ARGS) $(TEST_ARGS)
 
 test-stacks: $(stamp)-dev $(stamp)-edge ## run the tests of the quantum stacks too: installs the profile edge (1.5 GB)
 	$(bin)/python -m pytest $(PYTEST_ARGS) $(stack-tests) $(STACK_ARGS)
