@@ -10,7 +10,8 @@ numba takes machine code from its cache as long as the function's own file is th
 contain others, from other files, so their names in the cache have a hash of all of these.
 
 Images and releases bring machine code along, beside the package, where their users cannot write
-and numba therefore does not look. From there it is copied to where numba does: 2 MB, once.
+and numba therefore does not look. From there it is copied to where numba does: 2 MB, once. A new
+release takes over in the same way what an older one has of unchanged searches.
 """
 
 from __future__ import annotations
@@ -44,6 +45,9 @@ OPTIONS: dict[str, Any] = {
 
 caching = True
 """Set to False when the cache's folder turned out not to take files (a full disk)."""
+
+older: Path | None = None
+"""Package folder of another installation, whose machine code is taken where it is the same."""
 
 
 def available() -> bool:
@@ -103,8 +107,13 @@ def _brought(kernel: Any, function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a kernel, with the machine code that came along where numba looks for it."""
     source = Path(inspect.getfile(function))
     folder = Path(kernel.stats.cache_path)
+    places = [source.parent]
+    package = Path(__file__).parent
+    if older and source.is_relative_to(package):
+        places.append(older / source.parent.relative_to(package))
+    pattern = f"__pycache__/{_index_of(source, function.__name__)}"
     with contextlib.suppress(OSError):  # then it is compiled
-        for index in (source.parent / "__pycache__").glob(_index_of(source, function.__name__)):
+        for index in (found for place in places for found in place.glob(pattern)):
             mine = folder / index.name
             if mine == index or _is_fresh(mine, source) or not _is_fresh(index, source):
                 continue

@@ -181,6 +181,33 @@ def test_machine_code_is_not_that_of_an_older_part(tmp_path: Path, changed: str)
 
 
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
+def test_machine_code_of_another_installation_is_taken_where_the_kernel_is_the_same(
+    tmp_path: Path,
+) -> None:
+    package = tmp_path / "new/package"
+    package.mkdir(parents=True)
+    shutil.copy(jit.__file__, package / "_jit.py")
+    (package / "_extras.py").write_text("def is_installed(name):\n    return True\n")
+    mine = (package / "_jit.py").read_text().replace("from qrobot.", "from package.")
+    (package / "_jit.py").write_text(mine)
+    (package / "kernels.py").write_text(KERNEL.replace("qrobot", "package"))
+    shutil.copytree(tmp_path / "new", tmp_path / "old")
+    asked = ASK.replace("qrobot", "package")
+    assert ask(tmp_path / "old", asked)[:2] == ["False", "0"]
+    taking = f"""
+from pathlib import Path
+from package import _jit
+_jit.older = Path({str(tmp_path / "old/package")!r})
+{asked}"""
+    assert ask(tmp_path / "new", taking)[1] == "1"
+    shutil.rmtree(package / "__pycache__")
+    (package / "kernels.py").write_text(
+        (package / "kernels.py").read_text().replace("2 * x", "x + x")
+    )
+    assert ask(tmp_path / "new", taking)[1] == "0"
+
+
+@pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 def test_a_full_disk_switches_the_cache_off(monkeypatch: pytest.MonkeyPatch) -> None:
     from qrobot.backends.gate.state import compiled, kernels
 

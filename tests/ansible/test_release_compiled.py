@@ -45,7 +45,32 @@ def test_the_searches_are_compiled_when_a_release_is_made_and_go_with_it(tmp_pat
     made.discard("a")
     assert not kept.exists()
 
+    # What the searches are worth, the health checks say: a release that cannot compile is made.
     broken = wheel(tmp_path / "wheels", "qrobot", "1.1", "raise SystemExit('no such processor')\n")
-    with pytest.raises(release.ReleaseError, match=r"not compiled: no such processor"):
-        real(tmp_path, lock(broken, compiler), "b")
-    assert not (made.folder / "b").exists()
+    made, _ = real(tmp_path, lock(broken, compiler), "b")
+    assert (made.folder / "b").exists()
+    full = wheel(
+        tmp_path / "wheels", "qrobot", "1.2", "raise SystemExit('No space left on device')\n"
+    )
+    with pytest.raises(release.ReleaseError, match=r"No space left on device: make room"):
+        real(tmp_path, lock(full, compiler), "c")
+    assert not (made.folder / "c").exists()
+
+
+def test_a_release_takes_over_the_machine_code_of_the_one_in_use(tmp_path: Path) -> None:
+    compiler = wheel(tmp_path / "wheels", "numba", "1.0")
+    told = """
+import pathlib, sys
+pathlib.Path(__file__).with_name("told").write_text(" ".join(sys.argv[1:]))
+"""
+    first = wheel(tmp_path / "wheels", "qrobot", "1.0", told)
+    made, _ = real(tmp_path, lock(first, compiler), "a")
+    (said,) = (made.folder / "a").rglob("told")
+    assert said.read_text() == "compile"
+    package = said.with_name("qrobot")
+    package.mkdir()
+    made.switch("a")
+    second = wheel(tmp_path / "wheels", "qrobot", "1.1", told)
+    real(tmp_path, lock(second, compiler), "b")
+    (now,) = (made.folder / "b").rglob("told")
+    assert now.read_text() == f"compile --from {package}"

@@ -241,6 +241,7 @@ SABOTAGE: dict[str, tuple[str, Spoil]] = {
     ),
     "braket-ahs": ("braket.timings:TimeSeries.put", stronger),
     "numba": ("numba:njit", compiled_wrong),
+    "searches": ("qrobot.warehouse.kernels:tour_length", after(lambda length: length * 1.001)),
     "dwave-cloud": ("dwave.cloud.coders:decode_qp_numpy", after(with_other_energies)),
     "dwave-hybrid": ("hybrid:ArgMin.next", after(with_worse_samples)),
     "dwave-optimization": ("dwave.optimization:Model.minimize", with_one_more),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import subprocess
 from pathlib import Path
@@ -25,6 +26,7 @@ def build(
     wheels: Path,
     uv: Path,
     python: str,
+    older: Path | None = None,
     held: tuple[int, ...] = (),
 ) -> None:
     """Make the environment of a release.
@@ -40,6 +42,8 @@ def build(
         Folder for the cache.
     requirements, wheels, uv, python
         As for `Releases.install`.
+    older
+        A release whose machine code is taken over where the searches are the same.
     held
         Descriptors of locks that uv holds as long as it lives.
 
@@ -60,9 +64,18 @@ def build(
     _run(install, target.name, scratch, held)
     (target / ".lock").unlink(missing_ok=True)  # uv's own, writable for all
     # Machine code of the searches, beside the package: its users and services read it there, and
-    # it goes with the release.
+    # it goes with the release. The health checks judge a release whose searches do not compile.
     if any(target.glob("lib/python*/site-packages/numba-*.dist-info")):
-        _run([target / "bin" / "qrobot", "compile"], target.name, scratch, held)
+        command: list[Any] = [target / "bin" / "qrobot", "compile"]
+        packages = list(older.glob("lib/python*/site-packages/qrobot")) if older else []
+        if packages:
+            command += ["--from", packages[0]]
+        with contextlib.suppress(CompileError):
+            _run(command, target.name, scratch, held)
+
+
+class CompileError(ReleaseError):
+    """The searches of a release were not compiled, and not because the disk is full."""
 
 
 def _run(command: list[Any], release: str, scratch: Path, held: tuple[int, ...]) -> None:
@@ -92,6 +105,6 @@ def _run(command: list[Any], release: str, scratch: Path, held: tuple[int, ...])
         advice = "collect its wheels again"
         if "No space left" in reason:
             advice = "make room"
-        elif command[-1] == "compile":
-            reason, advice = f"its searches were not compiled: {reason}", "look at its numba"
+        elif command[1] == "compile":
+            raise CompileError(reason)
         raise ReleaseError(f"the release {release} was not installed: {reason}: {advice}")

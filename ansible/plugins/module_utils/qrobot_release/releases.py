@@ -258,7 +258,9 @@ class Releases(State):
 
     def _build(self, target: Path, scratch: Path, *given: Any) -> None:
         """Make the environment; uv holds the lock as long as it lives."""
-        build(target, scratch, *given, () if self._lock is None else (self._lock,))
+        now = self.current_id()
+        older = self.folder / now if now else None
+        build(target, scratch, *given, older, () if self._lock is None else (self._lock,))
 
     def _switch(self, name: str, how: str) -> bool:
         if name == self._named():
