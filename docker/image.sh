@@ -6,7 +6,8 @@
 # buildah makes of several platforms one manifest list, qrobot:TARGET-RELEASE; a list by buildx
 # goes to a registry: docker buildx bake -f docker/docker-bake.hcl --push. BUILDER=buildah or buildx
 # decides where both are there; BASE names another base image, best by its digest; NO_CACHE=1
-# builds and fetches everything anew.
+# builds and fetches everything anew; KERNELS says for which machines the searches are compiled
+# (arm64,amd64; under an emulator that takes a quarter of an hour).
 set -eu
 target=$1 platforms=$2 release=$3
 cd "$(dirname "$0")/.."
@@ -23,11 +24,14 @@ if [ -s /etc/ssl/certs/ca-certificates.crt ]; then
 fi
 case $(uname -m) in x86_64) here=amd64 ;; aarch64) here=arm64 ;; *) here=$(uname -m) ;; esac
 
+kernels() { case ,${KERNELS-arm64,amd64}, in *,$1,*) echo true ;; *) echo false ;; esac; } # ARCH
+
 with_buildx() { # ARCH
   env BASE="$base" RELEASE="$release" VERSION="$version" REVISION="$revision" \
     SOURCE_DATE_EPOCH="$epoch" docker buildx bake --file docker/docker-bake.hcl "$target" \
     --set "*.platform=linux/$1" --set "*.tags=qrobot:$target-$release-$1" \
     ${secret:+--set "*.secrets=$secret"} \
+    --set "*.args.KERNELS=$(kernels "$1")" \
     ${NO_CACHE:+--no-cache --set "*.args.UV_NO_CACHE=true"} --load
 }
 
@@ -37,7 +41,8 @@ with_buildah() { # ARCH
   buildah build --format docker --isolation chroot --quiet --layers \
     ${NO_CACHE:+--no-cache --build-arg UV_NO_CACHE=true} ${secret:+--secret "$secret"} \
     --platform "linux/$1" --build-arg BUILDPLATFORM="linux/$here" \
-    --build-arg TARGETPLATFORM="linux/$1" \
+    --build-arg TARGETPLATFORM="linux/$1" --build-arg TARGETARCH="$1" \
+    --build-arg KERNELS="$(kernels "$1")" \
     --build-arg BASE="$target_base" --build-arg BUILD_BASE="$build_base" \
     --build-arg VERSION="$version" --build-arg REVISION="$revision" \
     --build-arg SOURCE_DATE_EPOCH="$epoch" --timestamp "$epoch" \

@@ -7,6 +7,8 @@
 # Pythons; a plan or reads of every local backend, held against those of x86-64. Reports are kept
 # in build/arm64. RELEASES=trixie leaves bookworm out; IMAGE=lab proves the whole appendix;
 # X86_PYTHON=.venv/bin/python answers for x86-64 in place of an image, where it has the same lock.
+# The searches are compiled into the images with KERNELS=arm64 only: under the emulator that takes
+# a quarter of an hour. Their health check compiles what it needs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 releases=${RELEASES:-trixie bookworm}
@@ -30,6 +32,7 @@ mkdir -p "$out"
 chmod 1777 "$out" # the images run as an account of their own
 
 step 'build the images'
+export KERNELS=${KERNELS:-}
 for release in $releases; do docker/image.sh "$image" linux/arm64 "$release"; done
 for release in $releases; do docker/load.sh "qrobot:$image-$release-arm64"; done
 if [ -z "${X86_PYTHON:-}" ]; then

@@ -55,6 +55,27 @@ def test_the_example_is_planned_with_everything_locked_down(run: Any, tmp_path: 
     assert check(read_plan(file), read(EXAMPLE)).ok
 
 
+def test_no_container_waits_for_a_compiler(run: Any) -> None:
+    """The machine code of the searches is in the image; a locked container copies it to /tmp."""
+    done = run("solver", "compile", "--json", options=LOCKED)
+    assert done.returncode == 0, done.stderr
+    script = (
+        "from qrobot.backends.classical.compilation import compile_searches\n"
+        "import sys\n"
+        "compile_searches()\n"
+        "kernels = [k for m in list(sys.modules.values()) if m.__name__.startswith('qrobot.')\n"
+        "           for k in vars(m).values() if getattr(getattr(k, 'stats', 0), 'cache_path', 0)]\n"
+        "print(sum(sum(k.stats.cache_hits.values()) for k in kernels))\n"
+        "print(sum(sum(k.stats.cache_misses.values()) for k in kernels))\n"
+    )
+    done = run("solver", "python3", "-c", script, options=LOCKED)
+    hits, misses = map(int, done.stdout.split())
+    assert hits >= 8
+    assert misses == 0
+    done = run("solver", "solve", "example", "-t", "4", "--json", options=LOCKED)
+    assert "qrobot compile" not in done.stderr + done.stdout
+
+
 def test_a_mounted_folder_of_another_owner_is_read(run: Any, folder: Path) -> None:
     done = run("solver", "solve", "/data/orders.json", "-q", "--max-work", "50",
                options=(*LOCKED, "-v", f"{folder}:/data"))  # fmt: skip
