@@ -17,6 +17,7 @@ __all__ = [
     "peak_memory",
     "read_cpuinfo",
     "read_system_file",
+    "slowdown",
     "usable_cores",
 ]
 
@@ -46,6 +47,11 @@ def usable_cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def slowdown() -> float:
+    """Return by how much other programs slow this one down: those that want to run, per core."""
+    return max(1.0, os.getloadavg()[0] / usable_cores())
 
 
 def peak_memory() -> int:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 from qrobot._extras import is_installed
 from qrobot.backends import Capabilities, Planner, Stop, available
-from qrobot.backends.classical.aisles import LOADING, NOT_COMPILED, compiled_soon, takes
+from qrobot.backends.classical.aisles import NOT_COMPILED, compiled_soon, is_late, takes
 from qrobot.backends.classical.exact import ExactPlanner, no_packing, pack
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS
 from qrobot.backends.classical.generation import can_generate, count_of_batches, is_worth_proving
@@ -70,8 +70,9 @@ class AutoPlanner(Strategy):
             run.plan(exact, run.stop)
         search = choose_search(run.instance)
         proves = few or (run.best.by_distance and _has_cp_sat())
-        late = run.stop.remaining < LOADING
-        if not (run.finished or late or compiled_soon(run.stop)) and takes(run.instance):
+        if not (run.finished or is_late(run.stop) or compiled_soon(run.stop)) and takes(
+            run.instance
+        ):
             run.record.notes.append(NOT_COMPILED)
         if not run.finished and proves and _can_prove(exact, run):
             _prove(run, exact, search)

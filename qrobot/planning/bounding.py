@@ -106,8 +106,9 @@ def bound_from_below(run: Run) -> None:
         if ExactPlanner.name not in run.record.steps:
             run.best.raise_bound(bound_of_batches(run.instance, run.best.routes, stop))
         part = _Paced(stop)
-        run.best.raise_bound(forest_bound(run.instance, run.best.length, part, FOREST_ROUNDS))
-        run.best.raise_bound(walk_bound(run.instance, run.best.length, part, WALK_ROUNDS))
+        for bound, rounds in ((forest_bound, FOREST_ROUNDS), (walk_bound, WALK_ROUNDS)):
+            if stop.remaining > 0:
+                run.best.raise_bound(bound(run.instance, run.best.length, part, rounds))
 
 
 def _proved(run: Run) -> bool:

@@ -291,6 +291,10 @@ class Instance:
 
     def first_routes(self) -> list[list[int]] | None:
         """Return the nodes of each trip of a plan made in no time, or None where it fails."""
+        return None if self._first_routes is None else [list(trip) for trip in self._first_routes]
+
+    @cached_property
+    def _first_routes(self) -> list[list[int]] | None:
         weights = self.order_weights.tolist()
         heaviest_first = sorted(range(len(weights)), key=lambda o: -weights[o])
         for first_fit in (False, True):

@@ -16,6 +16,12 @@ from qrobot.problem.warehouse import Node, Place
 
 __all__ = ["DistanceTable", "unreachable", "unusual"]
 
+PIVOTED = 2e8
+"""Ways that are compared with one over another place: tenths of a second."""
+
+BLOCK = 2**16
+"""Of them at a time, so that they stay in the processor's cache."""
+
 
 @dataclass(frozen=True, slots=True)
 class DistanceTable:
@@ -191,10 +197,16 @@ def _triangle_gap(d: npt.NDArray[np.float64]) -> tuple[int, int, int] | None:
     missing = np.isnan(d)
     ways, legs = np.where(missing, -np.inf, d), np.where(missing, np.inf, d)
     worst, where = 1e-9 * max(float(ways.max(initial=0.0)), 1.0), None
-    # Every pivot of a large matrix would take minutes; a few hundred find any common fault.
-    for k in range(0, len(d), 1 + len(d) // 400):
-        gap = ways - (legs[:, k, None] + legs[None, k, :])
-        if (top := float(gap.max())) > worst:
-            i, j = divmod(int(gap.argmax()), len(d))
-            worst, where = top, (i, k, j)
+    # Every pivot of a large matrix would take minutes; some find any common fault.
+    pivots = range(0, len(d), -(-len(d) // max(1, int(PIVOTED / max(1, ways.size)))))
+    rows = max(1, BLOCK // max(1, len(d)))
+    for first in range(0, len(d), rows):
+        part = slice(first, first + rows)
+        gap = np.empty_like(ways[part])
+        for k in pivots:
+            np.add(legs[part, k, None], legs[k], out=gap)
+            np.subtract(ways[part], gap, out=gap)
+            if (top := float(gap.max())) > worst:
+                i, j = divmod(int(gap.argmax()), len(d))
+                worst, where = top, (first + i, k, j)
     return where

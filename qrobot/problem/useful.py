@@ -47,7 +47,7 @@ def useful_limit(
     ways = np.isfinite(d)
     longest = float(d.max(where=ways, initial=0.0))
     entered = np.where(np.eye(len(d), dtype=bool), np.inf, d)[:, 1:].min(axis=0)
-    if ways.all() and longest <= float(entered.sum()):
+    if ways.all() and (longest <= float(entered.sum()) or longest <= _spanning(d)):
         return math.inf  # every plan is longer than every way
     price = _price_above(d, min(len(lots), len(capacities)))
     priced = np.where(ways, d, price)
@@ -68,6 +68,19 @@ def useful_limit(
     limit = 1.01 * known
     # Whole distances stay whole.
     return float(math.ceil(limit)) if bool((kept == np.rint(kept)).all()) else limit
+
+
+def _spanning(d: Floats) -> float:
+    """Return the length of a shortest tree over all rows (Prim 1957): no plan is shorter."""
+    near = np.minimum(d[0], d[:, 0])
+    out = np.ones(len(d), dtype=bool)
+    out[0], total = False, 0.0
+    for _ in range(len(d) - 1):
+        row = int(np.where(out, near, np.inf).argmin())
+        total += float(near[row])
+        out[row] = False
+        near = np.minimum(near, np.minimum(d[row], d[:, row]))
+    return total
 
 
 def _price_above(d: Floats, trips: int) -> float:

@@ -63,10 +63,11 @@ def test_no_container_waits_for_a_compiler(run: Any) -> None:
         "from qrobot.backends.classical.compilation import compile_searches\n"
         "import sys\n"
         "compile_searches()\n"
-        "kernels = [k for m in list(sys.modules.values()) if m.__name__.startswith('qrobot.')\n"
-        "           for k in vars(m).values() if getattr(getattr(k, 'stats', 0), 'cache_path', 0)]\n"
-        "print(sum(sum(k.stats.cache_hits.values()) for k in kernels))\n"
-        "print(sum(sum(k.stats.cache_misses.values()) for k in kernels))\n"
+        "modules = [m for name, m in sys.modules.items() if name.startswith('qrobot.')]\n"
+        "stats = [getattr(k, 'stats', None) for m in modules for k in vars(m).values()]\n"
+        "stats = [one for one in stats if getattr(one, 'cache_path', None)]\n"
+        "print(sum(sum(one.cache_hits.values()) for one in stats))\n"
+        "print(sum(sum(one.cache_misses.values()) for one in stats))\n"
     )
     done = run("solver", "python3", "-c", script, options=LOCKED)
     hits, misses = map(int, done.stdout.split())

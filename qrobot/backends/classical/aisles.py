@@ -8,17 +8,19 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from qrobot import _jit
+from qrobot._machine import slowdown
 from qrobot.backends.base import Stop
 from qrobot.problem import AisleWarehouse, Instance
 from qrobot.warehouse import MAX_CROSS_AISLES
 
-__all__ = ["LOADING", "NOT_COMPILED", "PLACES", "compiled_soon", "takes"]
+__all__ = ["NOT_COMPILED", "PLACES", "compiled_soon", "is_late", "takes"]
 
 COMPILING = 120.0
 """Seconds that compiling may take on a small robot: with less time, only cached kernels run."""
 
 LOADING = 1.5
-"""Seconds that loading numba and the kernels may take: with less time, another search runs."""
+"""Seconds that loading numba and the kernels may take by themselves: with less time, another search
+runs."""
 
 NOT_COMPILED = (
     "the search with exact tours is not compiled yet, so a slower one ran: "
@@ -44,13 +46,18 @@ def takes(instance: Instance) -> bool:
     )
 
 
+def is_late(stop: Stop) -> bool:
+    """Return whether the time that is left would go into loading the kernels."""
+    return stop.remaining < LOADING * slowdown()
+
+
 def compiled_soon(stop: Stop, kernels: Sequence[tuple[str, str]] = KERNELS) -> bool:
     """Return whether kernels are in numba's cache, or may be compiled now.
 
     They may where the time allows it, unless the environment says ``QROBOT_COMPILE=0``: in
     containers, whose caches end with them.
     """
-    if stop.remaining < LOADING and "numba" not in sys.modules:
+    if "numba" not in sys.modules and is_late(stop):
         return False
     if stop.remaining >= COMPILING and os.environ.get("QROBOT_COMPILE") != "0":
         return True

@@ -16,6 +16,9 @@ from qrobot.problem import Instance
 
 __all__ = ["Whole", "usual_distance", "whole_costs"]
 
+SAMPLED = 500
+"""Rows of a large matrix that say what distances are usual."""
+
 
 @dataclass(frozen=True, slots=True)
 class Whole:
@@ -73,5 +76,6 @@ def whole_costs(instance: Instance, resolution: float, trips: int, largest: floa
 def usual_distance(instance: Instance) -> float:
     """Return the median of the ways that useful plans may contain, 1 when none is long."""
     d = instance.stop_distances
+    d = d[:: 1 + len(d) // SAMPLED]
     useful = d[(d > 0.0) & (d < instance.longest_useful)]
     return float(np.median(useful)) if useful.size else 1.0

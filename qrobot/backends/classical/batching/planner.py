@@ -90,6 +90,8 @@ def ruin_and_recreate(
         Told the tours of every better full plan.
     """
     best = now.copy()
+    if not best.absent and stop.remaining <= 0:
+        return data.routes(best.tours)
     told = math.inf
     scale = data.driven(now.tours) / max(1, sum(1 for tour in now.tours if tour))
     rounds = 0
