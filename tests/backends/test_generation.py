@@ -154,6 +154,7 @@ def test_without_compiled_kernels_a_short_run_plans_all_the_same(
 ) -> None:
     """No robot waits for a compiler: with little time another search runs, and says so."""
     monkeypatch.setattr(_jit, "is_cached", lambda *_: False)
+    monkeypatch.setattr("qrobot.backends.classical.aisles.slowdown", lambda: 1.0)
     instance = some_orders(10, 16, 1, (16,))
     assert takes(instance)
     assert not compiled_soon(Stop(5))
