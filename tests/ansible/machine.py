@@ -225,6 +225,7 @@ def playbook(
     settings = {
         "preflight_architectures": ["x86_64", "aarch64"],
         "qrobot_profile": "solver",
+        "qrobot_compile": False,  # most of a minute for each release
         "qrobot_fetched": str(folder / "fetched"),
         "qrobot_wheelhouse": str(CACHE / "wheelhouse"),
         "base_debs": str(CACHE / "offline-debs"),

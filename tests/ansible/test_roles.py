@@ -42,7 +42,7 @@ def listing(machine: Machine) -> str:
 @pytest.fixture(scope="module")
 def provisioned(provision: Callable[..., Run]) -> Run:
     """The first run on the bare machine."""
-    done = provision()
+    done = provision(qrobot_compile=True)
     if done.code:
         pytest.fail(done.text[-6000:])
     return done
@@ -107,6 +107,8 @@ def test_provisioning(machine: Machine, provisioned: Run) -> None:
     assert facts["profile"] == "solver"
     release = machine.root("readlink /opt/qrobot/current").strip().removeprefix("releases/")
     assert f"{release} is in use and healthy" in provisioned.text
+    kernels = "/opt/qrobot/current/lib/python3*/site-packages/qrobot/*/__pycache__/*.nbi"
+    assert len(machine.root(f"ls {kernels}").split()) >= 3
     report = json.loads((machine.folder / "fetched/robot.json").read_text())
     assert {check["status"] for check in report["checks"]} == {"pass"}
     assert len(report["checks"]) >= 8

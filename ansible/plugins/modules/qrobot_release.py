@@ -62,6 +62,10 @@ options:
     description: For V(present). Room that must be free afterwards.
     type: int
     default: 0
+  compiles:
+    description: For V(present). Whether the searches are compiled when the release is made.
+    type: bool
+    default: true
   keep:
     description: For V(pruned). How many releases stay; the current and the previous one always do.
     type: int
@@ -176,6 +180,7 @@ def apply(releases, given, check):
             given["need_mb"],
             given["keep_free_mb"],
             given["verify"],
+            given["compiles"],
         )
         return {"id": name, "changed": changed}
     if state == "current":
@@ -245,6 +250,7 @@ def main():
             "note": {"type": "dict", "default": {}},
             "need_mb": {"type": "int", "default": 0},
             "keep_free_mb": {"type": "int", "default": 0},
+            "compiles": {"type": "bool", "default": True},
             "keep": {"type": "int", "default": 3},
             "verify": {"type": "bool", "default": False},
         },

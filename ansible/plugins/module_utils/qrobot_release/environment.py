@@ -26,7 +26,6 @@ def build(
     wheels: Path,
     uv: Path,
     python: str,
-    older: Path | None = None,
     held: tuple[int, ...] = (),
 ) -> None:
     """Make the environment of a release.
@@ -42,8 +41,6 @@ def build(
         Folder for the cache.
     requirements, wheels, uv, python
         As for `Releases.install`.
-    older
-        A release whose machine code is taken over where the searches are the same.
     held
         Descriptors of locks that uv holds as long as it lives.
 
@@ -63,15 +60,36 @@ def build(
     install += ["--requirement", target / "requirements.txt"]
     _run(install, target.name, scratch, held)
     (target / ".lock").unlink(missing_ok=True)  # uv's own, writable for all
-    # Machine code of the searches, beside the package: its users and services read it there, and
-    # it goes with the release. The health checks judge a release whose searches do not compile.
-    if any(target.glob("lib/python*/site-packages/numba-*.dist-info")):
-        command: list[Any] = [target / "bin" / "qrobot", "compile"]
-        packages = list(older.glob("lib/python*/site-packages/qrobot")) if older else []
-        if packages:
-            command += ["--from", packages[0]]
-        with contextlib.suppress(CompileError):
-            _run(command, target.name, scratch, held)
+
+
+def compile_searches(
+    target: Path, scratch: Path, older: Path | None, held: tuple[int, ...] = ()
+) -> None:
+    """Compile the searches of a release that has numba.
+
+    The machine code lies beside the package: its users and services read it there, and it goes
+    with the release. The health checks judge a release whose searches do not compile.
+
+    Parameters
+    ----------
+    target, scratch, held
+        As for `build`.
+    older
+        A release whose machine code is taken over where the searches are the same.
+
+    Raises
+    ------
+    ReleaseError
+        When the disk is full.
+    """
+    if not any(target.glob("lib/python*/site-packages/numba-*.dist-info")):
+        return
+    command: list[Any] = [target / "bin" / "qrobot", "compile"]
+    packages = list(older.glob("lib/python*/site-packages/qrobot")) if older else []
+    if packages:
+        command += ["--from", packages[0]]
+    with contextlib.suppress(CompileError):
+        _run(command, target.name, scratch, held)
 
 
 class CompileError(ReleaseError):

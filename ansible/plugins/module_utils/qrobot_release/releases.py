@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .environment import build
+from .environment import build, compile_searches
 from .files import ReleaseError, remove, survey, sync_folder, write
 from .state import MB, State
 from .wheels import unneeded
@@ -48,6 +48,7 @@ class Releases(State):
         need_mb: int = 0,
         keep_free_mb: int = 0,
         verify: bool = False,
+        compiles: bool = True,
     ) -> tuple[str, bool]:
         """Install a release from wheels on this machine; nothing is fetched, nothing is built.
 
@@ -69,6 +70,8 @@ class Releases(State):
             Room that the release takes, and that must be free after it.
         verify
             Also build it again when it is there but damaged.
+        compiles
+            Whether its searches are compiled too.
 
         Returns
         -------
@@ -101,6 +104,8 @@ class Releases(State):
             scratch.mkdir()
             try:
                 self._build(target, scratch, requirements, Path(wheels), Path(uv), python)
+                if compiles:
+                    self._compile(target, scratch)
             except (ReleaseError, OSError):
                 remove(target)  # its room is needed, and nothing of it can be used
                 raise
@@ -258,9 +263,15 @@ class Releases(State):
 
     def _build(self, target: Path, scratch: Path, *given: Any) -> None:
         """Make the environment; uv holds the lock as long as it lives."""
+        build(target, scratch, *given, self._held())
+
+    def _compile(self, target: Path, scratch: Path) -> None:
+        """Compile its searches, or take over what the release in use has of them."""
         now = self.current_id()
-        older = self.folder / now if now else None
-        build(target, scratch, *given, older, () if self._lock is None else (self._lock,))
+        compile_searches(target, scratch, self.folder / now if now else None, self._held())
+
+    def _held(self) -> tuple[int, ...]:
+        return () if self._lock is None else (self._lock,)
 
     def _switch(self, name: str, how: str) -> bool:
         if name == self._named():
