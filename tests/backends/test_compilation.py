@@ -13,7 +13,7 @@ pytest.importorskip("ortools")
 
 SCRIPT = """
 import sys
-from qrobot import solve
+from qrobot.backends import Stop, get
 from qrobot.backends.classical.compilation import compile_searches
 from qrobot.problem.formats import read
 
@@ -29,8 +29,8 @@ def compiled():
 compile_searches()
 before = compiled()
 instance = read("example:small-warehouse")
-for backend, work in (("batching", 3), ("exact", 3), ("savings", None)):
-    solve(instance, backend=backend, max_work=work, seed=1)
+for backend in ("batching", "exact", "savings"):
+    get(backend).search(instance, stop=Stop(max_work=3), seed=1)
 after = compiled()
 print(sorted(name for name in after if name.startswith("qrobot.backends.classical")))
 print(sorted(name for name, kinds in after.items() if not kinds or kinds != before.get(name)))
