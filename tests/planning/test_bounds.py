@@ -101,7 +101,7 @@ def radial_of_the_literature(instance: Instance) -> float:
 
 
 @settings(deadline=None, max_examples=100)
-@given(instances(min_items=1, max_items=6, multi_trip=True), st.booleans())
+@given(instances(min_items=1, max_items=7, multi_trip=True), st.booleans())
 def test_no_bound_exceeds_the_optimum(instance: Instance, known: bool) -> None:
     """Whole orders, zero weights, unlike robots, asymmetric and non-metric tables."""
     expected = least_distance(instance)

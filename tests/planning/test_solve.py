@@ -69,16 +69,6 @@ def test_auto_is_optimal_or_reasons_why_not(instance: Instance) -> None:
     assert len(result.plan.trips) == trips
 
 
-@settings(deadline=None, max_examples=40)
-@given(instances(min_items=1, max_items=7, feasible=True))
-def test_bounds_hold(instance: Instance) -> None:
-    expected = least_distance(instance)
-    assert expected is not None
-    assert quick_bound(instance) <= expected[0] + 1e-6
-    assert walk_bound(instance, expected[0], lambda: False, 40) <= expected[0] + 1e-6
-    assert forest_bound(instance, expected[0], lambda: False, 60) <= expected[0] + 1e-6
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_bounds_hold_with_tight_capacity_and_are_useful(seed: int) -> None:
     instance = paper_shaped(10, 3, seed)

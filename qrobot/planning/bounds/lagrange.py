@@ -176,9 +176,10 @@ def walk_bound(
     fewest, most = fewest_trips(instance), most_trips(instance)
     # Start where every walk out to its farthest stop pays for itself.
     prices = (d[0, 1:] + d[1:, 0]) * loads / max(capacity // step, 1)
+    possible = _loads_of_walks(loads, capacity // step)
 
     def relaxed(prices: Floats) -> tuple[float, Floats] | None:
-        found = _cheapest_walk(d, loads, capacity // step, prices, stop)
+        found = _cheapest_walk(d, loads, possible, prices, stop)
         if found is None:
             return None
         cost, visits = found
@@ -195,10 +196,19 @@ def load_steps(instance: Instance) -> int:
     return max(1, min(capacity, MAX_LOAD_STEPS, fine))
 
 
+def _loads_of_walks(loads: npt.NDArray[np.int64], capacity: int) -> npt.NDArray[np.bool_]:
+    """Return for each load whether stops add up to it, each as often as one likes."""
+    possible = np.zeros(capacity + 1, dtype=bool)
+    possible[0] = True
+    for load in range(1, capacity + 1):
+        possible[load] = possible[load - loads[loads <= load]].any()
+    return possible
+
+
 def _cheapest_walk(
     d: Floats,
     loads: npt.NDArray[np.int64],
-    capacity: int,
+    possible: npt.NDArray[np.bool_],
     prices: Floats,
     stop: Callable[[], bool],
 ) -> tuple[float, Floats] | None:
@@ -210,11 +220,11 @@ def _cheapest_walk(
     cost = d[1:, 1:].T - prices[:, None]  # (to, from)
     np.fill_diagonal(cost, np.inf)
     leave = d[0, 1:] - prices
-    first = np.full((capacity + 1, n), np.inf)
-    second = np.full((capacity + 1, n), np.inf)
-    first_from = np.full((capacity + 1, n), -1, dtype=np.intp)
-    second_from = np.full((capacity + 1, n), -1, dtype=np.intp)
-    for carried in range(int(loads.min()), capacity + 1):
+    first = np.full((len(possible), n), np.inf)
+    second = np.full((len(possible), n), np.inf)
+    first_from = np.full((len(possible), n), -1, dtype=np.intp)
+    second_from = np.full((len(possible), n), -1, dtype=np.intp)
+    for carried in (np.flatnonzero(possible[1:]) + 1).tolist():
         if stop():
             return None
         to = np.flatnonzero(loads <= carried)
