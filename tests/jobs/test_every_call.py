@@ -43,10 +43,10 @@ AT_HOME = {
 
 
 class Calls(ast.NodeVisitor):
-    """Finds calls of a service that no wrapper holds."""
+    """Finds calls of a service that no wrapper makes: only what it is given to call later is."""
 
     def __init__(self) -> None:
-        self.wrapped = 0
+        self.wrapped = False
         self.found: set[str] = set()
 
     def visit_Call(self, node: ast.Call) -> None:
@@ -56,9 +56,12 @@ class Calls(ast.NodeVisitor):
         method = isinstance(function, ast.Attribute)
         if method and name in SERVICE_CALLS and not self.wrapped:
             self.found.add(str(name))
-        self.wrapped += name in WRAPPERS
-        self.generic_visit(node)
-        self.wrapped -= name in WRAPPERS
+        outside = self.wrapped
+        for argument in [*node.args, *(keyword.value for keyword in node.keywords)]:
+            self.wrapped = outside or (name in WRAPPERS and isinstance(argument, ast.Lambda))
+            self.visit(argument)
+        self.wrapped = outside
+        self.visit(function)
 
 
 def test_no_call_of_a_service_is_outside_the_wrapper() -> None:
@@ -98,6 +101,8 @@ def test_a_call_outside_would_be_found() -> None:
     calls = Calls()
     calls.visit(ast.parse("with_retries(lambda: service.poll(job)); service.cancel(job)"))
     assert calls.found == {"cancel"}
+    calls.visit(ast.parse("with_retries(service.find(job)); f(lambda: service.estimate(job))"))
+    assert calls.found == {"cancel", "find", "estimate"}
 
 
 BACKENDS = ("dwave-qpu", "leap-bqm", "leap-cqm", "leap-nl")
