@@ -95,9 +95,12 @@ class Best:
                 self._on_best(kept, length)
 
     def raise_bound(self, distance: float) -> None:
-        """Keep a larger bound of distances; whole distances lift it to the next whole number."""
+        """Keep a larger bound of distances; whole distances lift it to the next whole number.
+
+        A policy may take ways that are not the shortest between stops, and not whole.
+        """
         d = self.instance.stop_distances
-        if bool((d == np.round(d)).all()):
+        if self.instance.routing == "exact" and bool((d == np.round(d)).all()):
             distance = float(np.ceil(distance - 1e-6))
         if not self.by_distance:
             distance = self.objective.bound(self.instance, distance)

@@ -94,8 +94,8 @@ def solve(
         drive and collect.
     routing
         How trips are walked: ``exact``, by shortest tours, or by a policy: ``s-shape``,
-        ``return``, ``midpoint``, ``largest-gap``, ``combined`` or ``aisle-by-aisle``, in one block
-        of aisles. Orders are then batched for the lengths of its ways.
+        ``return``, ``midpoint`` (these in one block), ``largest-gap``, ``combined`` or
+        ``aisle-by-aisle``. Orders are then batched for the lengths of its ways.
     stop
         A stop that the caller can `request` from another thread.
     on_progress

@@ -14,8 +14,10 @@ from qrobot.warehouse.grid import grid_of
 from qrobot.warehouse.sweep import Numbers, flatten
 
 __all__ = [
+    "AISLE_BY_AISLE",
     "CODES",
     "COMBINED",
+    "EVEN",
     "LARGEST_GAP",
     "MIDPOINT",
     "RETURN",
@@ -29,7 +31,7 @@ __all__ = [
 Words = npt.NDArray[np.uint64]
 """Shape (sub-aisles, words of a sub-aisle)."""
 
-SHORTEST, RETURN, S_SHAPE, MIDPOINT, LARGEST_GAP, COMBINED = range(6)
+SHORTEST, RETURN, S_SHAPE, MIDPOINT, LARGEST_GAP, COMBINED, AISLE_BY_AISLE = range(7)
 
 CODES = {
     "exact": SHORTEST,
@@ -38,9 +40,12 @@ CODES = {
     "midpoint": MIDPOINT,
     "largest-gap": LARGEST_GAP,
     "combined": COMBINED,
-    "aisle-by-aisle": COMBINED,
+    "aisle-by-aisle": AISLE_BY_AISLE,
 }
-"""What tours are walked by; in one block, aisle by aisle is the same as combined."""
+"""What tours are walked by."""
+
+EVEN = 1e-9
+"""Lengths that differ by less than this share of an aisle are the same: that is rounding."""
 
 
 class Layout(NamedTuple):
@@ -66,6 +71,8 @@ class Layout(NamedTuple):
         Number of states.
     policy
         By which rule tours are walked; `SHORTEST` by none.
+    grows
+        Whether no tour gets shorter by another pick: not so for rules that go from block to block.
     """
 
     along: Floats
@@ -81,6 +88,7 @@ class Layout(NamedTuple):
     marks: Numbers
     states: int
     policy: int
+    grows: bool
 
 
 def masks_of(
@@ -126,4 +134,5 @@ def masks_of(
         marks=flat.marks,
         states=flat.count,
         policy=policy,
+        grows=warehouse.blocks == 1 or policy in (SHORTEST, AISLE_BY_AISLE),
     ), masks

@@ -14,6 +14,7 @@ from math import inf
 
 from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Slot
+from qrobot.warehouse.layouts import EVEN
 from qrobot.warehouse.routing import Router
 from qrobot.warehouse.walking import XY, Route, Walk, corners
 from qrobot.warehouse.walking import length as walked
@@ -41,7 +42,7 @@ def s_shape(warehouse: AisleWarehouse, slots: Sequence[Slot]) -> Route:
 
 def return_trips(warehouse: AisleWarehouse, slots: Sequence[Slot]) -> Route:
     """Enter every aisle from the depot's side, go to the farthest pick and back."""
-    walk = _walk(warehouse, slots, "return", blocks=1)
+    walk = _walk(warehouse, slots, "return")
     for aisle, heights in walk.picks(0).items():
         walk.go(aisle, heights[-1], 0.0)
     return walk.home()
@@ -54,22 +55,25 @@ def midpoint(warehouse: AisleWarehouse, slots: Sequence[Slot]) -> Route:
     """
 
     def cut(heights: Sequence[float], front: float, back: float) -> int:
-        return sum(2 * y <= front + back for y in heights)
+        # Seen from the depot, the front of one block is at 0.
+        return sum(2 * y <= front + (1 + EVEN) * back for y in heights)
 
-    return _around(_walk(warehouse, slots, "midpoint", blocks=1), cut)
+    return _around(_walk(warehouse, slots, "midpoint"), cut)
 
 
 def largest_gap(warehouse: AisleWarehouse, slots: Sequence[Slot]) -> Route:
     """Pass the first and the last aisle; leave out the largest gap of each of the others.
 
-    A gap lies between two picks, or between a pick and an end of the aisle. Several blocks: as in
+    A gap lies between two picks, or between a pick and an end of the aisle; of gaps as wide the one
+    nearest to the front is left out. Several blocks: as in
     `s_shape`, and the aisle that leads to the front of a block is that which is farthest from
     where the picker comes in.
     """
 
     def cut(heights: Sequence[float], front: float, back: float) -> int:
         gaps = [b - a for a, b in pairwise((front, *heights, back))]
-        return gaps.index(max(gaps))
+        least = max(gaps) - EVEN * (back - front)
+        return next(k for k, gap in enumerate(gaps) if gap >= least)
 
     return _around(_walk(warehouse, slots, "largest-gap"), cut)
 
@@ -124,6 +128,8 @@ POLICIES: dict[str, Policy] = {
 }
 """Routing policies by name."""
 
+ONE_BLOCK = ("return", "midpoint")
+
 
 def route(warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str = "shortest") -> Route:
     """Return the way from the depot past some slots and back that a routing policy takes.
@@ -160,10 +166,12 @@ def route(warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str = "short
     return POLICIES[policy](warehouse, slots) if slots else Route(0.0, (), ())
 
 
-def check_layout(warehouse: AisleWarehouse) -> str:
-    """Return why rules say nothing about a layout, empty where they do."""
+def check_layout(warehouse: AisleWarehouse, policy: str) -> str:
+    """Return why a rule says nothing about a layout, empty where it does."""
     reason = ""
-    if warehouse.closed_aisles or warehouse.closed_crossings:
+    if warehouse.blocks > 1 and policy in ONE_BLOCK:
+        reason = f"is a policy for one block, the warehouse has {warehouse.blocks}"
+    elif warehouse.closed_aisles or warehouse.closed_crossings:
         reason = "is a policy for open aisles, some are closed"
     elif warehouse.is_one_way:
         reason = "is a policy for aisles that are walked both ways, some are one-way"
@@ -174,15 +182,9 @@ def check_layout(warehouse: AisleWarehouse) -> str:
     return reason
 
 
-def _walk(
-    warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str, blocks: int | None = None
-) -> Walk:
+def _walk(warehouse: AisleWarehouse, slots: Sequence[Slot], policy: str) -> Walk:
     """Return a picker at the depot of a layout that a policy is made for."""
-    if blocks is not None and warehouse.blocks > blocks:
-        reason = f"is a policy for one block, the warehouse has {warehouse.blocks}"
-    else:
-        reason = check_layout(warehouse)
-    if reason:
+    if reason := check_layout(warehouse, policy):
         raise InputError(f"{policy!r} {reason}", field="policy", advice="use shortest or as-given")
     return Walk(warehouse, slots)
 
@@ -196,8 +198,10 @@ def _by_blocks(walk: Walk, serve: Serve) -> Route:
     blocks = len(walk.heights) - 1
     filled = {block: picks for block in range(blocks) if (picks := walk.picks(block))}
     far = max(filled)
+    walk.picked = range(far)
     walk.go(min(aisle for picks in filled.values() for aisle in picks), walk.heights[far])
     for block in range(far, -1, -1):
+        walk.picked = range(block, block + 1)
         front, back = walk.heights[block : block + 2]
         if aisles := walk.picks(block):
             serve(walk, aisles, front, back)

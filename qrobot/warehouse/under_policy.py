@@ -89,10 +89,8 @@ def under_policy(instance: Instance, routing: str) -> Instance:
     reason = ""
     if not isinstance(warehouse, AisleWarehouse):
         reason = "is a policy for aisles, this warehouse has none"
-    elif warehouse.blocks > 1:
-        reason = f"plans batches in one block, the warehouse has {warehouse.blocks}"
     else:
-        reason = check_layout(warehouse)
+        reason = check_layout(warehouse, routing)
     if reason:
         raise InputError(
             f"{routing!r} {reason}", field="routing", advice="leave the routing out: use exact"

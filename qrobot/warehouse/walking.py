@@ -58,6 +58,8 @@ class Walk:
             block = warehouse.blocks - 1 - slot.block if self._flipped else slot.block
             y = self._height(warehouse.position(slot)[1])
             self._left.setdefault((slot.aisle, block), []).append((y, i))
+        self.picked = range(warehouse.blocks)
+        """Blocks whose slots are picked when they are passed: one may lie on a cross aisle."""
         self.depot = self.aisle = warehouse.depot_aisle
         self.y = 0.0
         self._sequence: list[int] = []
@@ -98,7 +100,7 @@ class Walk:
         low, high = min(self.y, y), max(self.y, y)
         found = []
         for (aisle, block), spots in self._left.items():
-            if aisle == self.aisle:
+            if aisle == self.aisle and block in self.picked:
                 found += [spot for spot in spots if low <= spot[0] <= high]
                 self._left[aisle, block] = [s for s in spots if not low <= s[0] <= high]
         for height, i in sorted(found, key=lambda spot: (abs(spot[0] - self.y), spot[1])):

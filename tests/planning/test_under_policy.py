@@ -13,25 +13,33 @@ import pytest
 
 import qrobot
 from qrobot import _jit
+from qrobot.backends import Stop
 from qrobot.errors import InputError
 from qrobot.plan import Plan
 from qrobot.plan.rules import rule_of
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
-from qrobot.warehouse import ROUTINGS
+from qrobot.warehouse import ROUTINGS, under_policy
 
 SHARED = Path(__file__).parents[3] / "shared/data/picking"
 POLICIES = [name for name in ROUTINGS if name != "exact"]
+THROUGH_BLOCKS = [name for name in POLICIES if name not in {"return", "midpoint"}]
 COMPILED = pytest.mark.skipif(not _jit.available(), reason="numba is not installed")
 
 
-def orders(seed: int, count: int, *, back: int = 0) -> Instance:
+def orders(seed: int, count: int, *, back: int = 0, blocks: int = 1) -> Instance:
     """Return some orders of one to three items, two or three of which fit on a trip."""
     rng = np.random.default_rng(seed)
     house = AisleWarehouse(
-        6, 9, depot_aisle=int(rng.integers(6)), depot_cross_aisle=back, depot_distance=1.0
+        6,
+        9,
+        blocks,
+        depot_aisle=int(rng.integers(6)),
+        depot_cross_aisle=back * blocks,
+        depot_distance=1.0,
     )
+    block = (lambda: 0) if blocks == 1 else (lambda: int(rng.integers(blocks)))
     items = [
-        Item(f"{o}/{k}", 1, Slot(int(rng.integers(6)), int(rng.integers(9))))
+        Item(f"{o}/{k}", 1, Slot(int(rng.integers(6)), int(rng.integers(9)), block()))
         for o in range(count)
         for k in range(int(rng.integers(1, 4)))
     ]
@@ -74,6 +82,48 @@ def test_the_best_batches_are_found_and_proven(policy: str) -> None:
         assert result.plan.distance == pytest.approx(least(instance, policy))
         assert qrobot.check(result.plan, instance).ok
         assert result.plan.distance >= qrobot.solve(instance, max_work=400).plan.distance - 1e-9
+
+
+@COMPILED
+@pytest.mark.parametrize("listed", [True, False])
+@pytest.mark.parametrize("policy", THROUGH_BLOCKS)
+def test_the_best_batches_through_blocks_are_found_and_proven(
+    policy: str, listed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether batches are all listed, or left out by what no longer batch is shorter than."""
+    if not listed:
+        monkeypatch.setattr("qrobot.backends.classical.generation.search.MOST_BATCHES", 0)
+    for seed in range(4):
+        instance = orders(seed, 7, back=seed % 2, blocks=2 + seed // 2)
+        best = least(instance, policy)
+        result = qrobot.solve(instance, routing=policy, max_work=4_000)
+        assert result.is_optimal
+        assert result.plan.distance == pytest.approx(best)
+        assert result.bound == pytest.approx(best)
+        assert qrobot.check(result.plan, instance).ok
+        wrong = qrobot.check(replace(result.plan, routing="return"), instance)
+        assert "the routing 'return' needs one block of aisles" in str(wrong)
+
+
+@COMPILED
+def test_a_way_may_be_longer_than_those_of_its_orders_together() -> None:
+    """Aisles that a trip of few picks turns in, S-shape passes: no proof may rely on less."""
+    from qrobot.backends.classical.generation import generate
+
+    places = [Slot(0, 0), Slot(3, 0), Slot(1, 0), Slot(2, 0)]
+    items = tuple(Item(f"i{k}", 1, place) for k, place in enumerate(places))
+    lots = tuple(Order(f"o{k}", (item.id,)) for k, item in enumerate(items))
+    instance = Instance(AisleWarehouse(4, 60), items, lots, (Robot("R1", 2, trips=2),))
+    best = qrobot.check(qrobot.solve(instance, routing="s-shape", max_work=50).plan, instance)
+    # Twice two aisles of 61 m; across, 6 m to aisle 1 and back, and 18 m to aisle 3 and back.
+    assert best.distance == 4 * 61 + 6 + 18
+    poor = [[1, 2], [3, 4]]
+    asked = under_policy(instance, "s-shape")
+    assert asked.length(poor) == 4 * 61 + 18 + 12
+    proof = generate(asked, Stop(max_work=50), start=poor)
+    assert proof.optimal
+    assert proof.routes is not None
+    assert asked.length(proof.routes) == best.distance
 
 
 @COMPILED

@@ -14,36 +14,57 @@ from qrobot.problem import AisleWarehouse, Instance, Item, OpenFloor, Order, Poi
 from qrobot.warehouse import ROUTINGS, PolicyInstance, Router, route, under_policy
 
 CASES = 120
+POLICIES = [
+    (policy, blocks)
+    for policy in ROUTINGS
+    for blocks in (1, 2, 3)
+    if policy != "exact" and (blocks == 1 or policy not in {"return", "midpoint"})
+]
+COMPILED = pytest.mark.skipif(not _jit.available(), reason="numba is not installed")
+
+UP_AND_DOWN = AisleWarehouse(4, 3, 2)
+SHORTENED = {
+    "s-shape": [Slot(2, 0, 1), Slot(2, 2), Slot(1, 0), Slot(0, 2, 1)],
+    "combined": [Slot(2, 0, 1), Slot(1, 0), Slot(0, 0, 1), Slot(2, 2)],
+    "largest-gap": [Slot(1, 0), Slot(2, 1, 1), Slot(3, 1), Slot(0, 1), Slot(1, 1)],
+}
+"""Picks whose way is longer without the first of them, by two blocks of four aisles."""
 
 
-def one_block(rng: Generator) -> AisleWarehouse:
-    """Return an open layout of one block, the depot at its front or its back."""
-    aisles = int(rng.integers(1, 8))
+def layout_of(rng: Generator, blocks: int) -> AisleWarehouse:
+    """Return an open layout, the depot at its front or its back; slots may lie on cross aisles."""
+    aisles, unit = int(rng.integers(1, 8)), float(rng.choice([1.0, 0.5, 0.1]))
+    slots = int(rng.integers(2, 90 if blocks == 1 else 12))
     return AisleWarehouse(
         aisles,
-        int(rng.integers(1, 90)),
-        aisle_pitch=float(rng.integers(1, 6)),
-        slot_pitch=float(rng.integers(1, 4)) / 2,
-        block_gaps=((float(rng.integers(1, 4)), float(rng.integers(1, 4))),),
+        slots,
+        blocks,
+        aisle_pitch=unit * float(rng.integers(1, 6)),
+        slot_pitch=unit * float(rng.integers(1, 4)),
+        block_gaps=tuple(
+            (unit * float(rng.integers(0, 4)), unit * float(rng.integers(0, 4)))
+            for _ in range(blocks)
+        ),
         depot_aisle=int(rng.integers(aisles)),
-        depot_cross_aisle=int(rng.integers(2)),
-        depot_distance=float(rng.integers(0, 3)),
+        depot_cross_aisle=int(rng.integers(2)) * blocks,
+        depot_distance=unit * float(rng.integers(0, 3)),
     )
 
 
-@pytest.mark.skipif(not _jit.available(), reason="numba is not installed")
-@pytest.mark.parametrize("policy", [name for name in ROUTINGS if name != "exact"])
-def test_three_ways_of_measuring_agree(policy: str) -> None:
-    """And no way is shorter than a shortest tour, nor than that past some of its places.
+@COMPILED
+@pytest.mark.parametrize(("policy", "blocks"), POLICIES)
+def test_three_ways_of_measuring_agree(policy: str, blocks: int) -> None:
+    """And no way is shorter than a shortest tour, nor than what a proof leaves batches out by.
 
-    The last is what lets a proof leave out the batches that contain a batch that is too long.
+    That is the way past some of the places where another pick never shortens one, and a shortest
+    tour past these elsewhere.
     """
-    from qrobot.warehouse.kernels import masks_of, tour_length
+    from qrobot.warehouse.kernels import least_length, masks_of, tour_length
     from qrobot.warehouse.layouts import CODES
 
-    rng = np.random.default_rng(len(policy))
+    rng = np.random.default_rng(len(policy) + 100 * blocks)
     for _ in range(CASES):
-        w = one_block(rng)
+        w = layout_of(rng, blocks)
         picks = [random_slot(rng, w) for _ in range(rng.integers(1, 14))]
         walked = route(w, picks, policy).length
         measure, _ = rule_of(policy, w)
@@ -51,8 +72,29 @@ def test_three_ways_of_measuring_agree(policy: str) -> None:
         layout, (one, fewer) = masks_of(w, [picks, picks[1:]], CODES[policy])
         assert measure(picks) == pytest.approx(walked, abs=1e-9), (w, picks)
         assert tour_length(one, layout) == pytest.approx(walked, abs=1e-9), (w, picks)
-        assert tour_length(fewer, layout) <= walked + 1e-9
-        assert Router(w, compiled=False).length(picks) <= walked + 1e-9
+        shortest = Router(w, compiled=False).length(picks)
+        assert shortest <= walked + 1e-9
+        least = least_length(fewer, layout, tour_length(fewer, layout))
+        assert least <= walked + 1e-9
+        if layout.grows:
+            assert tour_length(fewer, layout) <= walked + 1e-9
+        else:
+            expected = Router(w, compiled=False).length(picks[1:]) if picks[1:] else 0.0
+            assert least == pytest.approx(max(expected, 2 * w.depot_distance))
+
+
+@COMPILED
+@pytest.mark.parametrize("policy", SHORTENED)
+def test_another_pick_may_shorten_a_way_through_blocks(policy: str) -> None:
+    """So its length leaves out no batch with more orders."""
+    from qrobot.warehouse.kernels import least_length, masks_of, tour_length
+    from qrobot.warehouse.layouts import CODES
+
+    picks = SHORTENED[policy]
+    layout, (more, fewer) = masks_of(UP_AND_DOWN, [picks, picks[1:]], CODES[policy])
+    longer = tour_length(fewer, layout)
+    assert longer > tour_length(more, layout)
+    assert least_length(fewer, layout, longer) <= tour_length(more, layout)
 
 
 def test_every_policy_has_its_formula() -> None:
@@ -71,7 +113,12 @@ def orders(warehouse: AisleWarehouse | OpenFloor, place: Slot | Point) -> Instan
             "s-curve",
             "routing: 's-curve' is not a routing; use one of exact, ",
         ),
-        (AisleWarehouse(3, 4, 2), "s-shape", "plans batches in one block, the warehouse has 2;"),
+        (AisleWarehouse(3, 4, 2), "return", "is a policy for one block, the warehouse has 2;"),
+        (
+            AisleWarehouse(3, 4, 2, depot_cross_aisle=1),
+            "s-shape",
+            "is a policy for a depot at the first or last cross aisle; leave",
+        ),
         (
             AisleWarehouse(3, 4, closed_aisles=frozenset({(1, 0)})),
             "combined",

@@ -17,8 +17,8 @@ from qrobot._arrays import Floats, Ints
 from qrobot.backends.base import Routes
 from qrobot.problem import AisleWarehouse, Instance, Slot
 from qrobot.warehouse import Router
-from qrobot.warehouse.kernels import Layout, masks_of, tour_length
-from qrobot.warehouse.layouts import CODES
+from qrobot.warehouse.kernels import Layout, least_length, masks_of, tour_length
+from qrobot.warehouse.layouts import CODES, SHORTEST
 
 __all__ = [
     "Batch",
@@ -54,6 +54,10 @@ class Orders(NamedTuple):
         Shape (orders,).
     alone
         Shape (orders,): length of a trip for each alone, metres.
+    least
+        Shape (orders,): what a trip of each and others is no shorter than.
+    most
+        What the trips of a plan are no longer than together, metres.
     capacities
         Shape (trips,), largest first.
     near
@@ -67,6 +71,8 @@ class Orders(NamedTuple):
     masks: Hashes
     weights: Ints
     alone: Floats
+    least: Floats
+    most: float
     capacities: Ints
     near: Ints
     keys: Hashes
@@ -99,11 +105,31 @@ def orders_of(instance: Instance) -> Orders:
         masks=masks,
         weights=instance.order_weights.astype(np.int64),
         alone=alone,
+        least=np.array(
+            [least_length(words, layout, own) for words, own in zip(masks, alone, strict=True)]
+        ),
+        most=_most(layout, alone, len(instance.vehicle_capacities)),
         capacities=instance.vehicle_capacities.astype(np.int64),
         near=_near(layout, masks, alone),
         keys=keys,
         layout=layout,
     )
+
+
+def _most(layout: Layout, alone: Floats, trips: int) -> float:
+    """Return what no plan is longer than.
+
+    A shortest tour past two orders is no longer than those past each, but a way by a policy may be.
+    None walks more than to and fro in every aisle, and, between going out and coming home, four
+    times along a cross aisle for each block.
+    """
+    if layout.policy == SHORTEST:
+        return float(alone.sum())
+    blocks = layout.along.shape[1]
+    width = float(layout.across[:-1, 0].sum())
+    inside = 2.0 * float(layout.along.sum()) + float(layout.along[0].sum())
+    longest = inside + (4 * blocks + 2) * width + 2.0 * float(layout.ways[0])
+    return float(min(len(alone), trips) * longest)
 
 
 def _near(layout: Layout, masks: Hashes, alone: Floats) -> Ints:

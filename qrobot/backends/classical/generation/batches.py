@@ -3,7 +3,8 @@
 Importing this module imports numba. A batch is extended by orders of higher index only, so that
 each is met once. A tour past more orders is never shorter, so the reduced cost of every batch
 that contains the present one is at least the present length less the prices of its orders and of
-the dearest orders that the capacity still takes.
+the dearest orders that the capacity still takes. Where a policy may shorten a way by another pick,
+the shortest tour takes the place of the length.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from qrobot._arrays import Floats, Ints
 from qrobot._jit import compile_kernel
 from qrobot.backends.base import Stop
 from qrobot.backends.classical.orders import Hashes, Orders
-from qrobot.warehouse.kernels import tour_length
+from qrobot.warehouse.kernels import least_length, tour_length
 
 __all__ = [
     "Pool",
@@ -165,7 +166,7 @@ class Walk(NamedTuple):
     Parameters
     ----------
     words, load, paid, length
-        Of the batch at each depth.
+        Of the batch at each depth; length: what no batch that contains it is shorter than.
     chosen, following
         Order that leads on from each depth, and the next one to try there.
     within
@@ -238,7 +239,7 @@ def _list_batches(
         Room for batches.
     """
     count, width, most = len(orders.weights), members.shape[1], len(lengths)
-    weights, alone, capacity = orders.weights, orders.alone, orders.capacities[0]
+    weights, alone, capacity = orders.weights, orders.least, orders.capacities[0]
     words, load, paid, length = walk.words, walk.load, walk.paid, walk.length
     chosen, following, within = walk.chosen, walk.following, walk.within
     depth, found = walk.at
@@ -266,7 +267,7 @@ def _list_batches(
                 words[depth + 1, part, w] = words[depth, part, w] | orders.masks[order, part, w]
         tour = tour_length(words[depth + 1], orders.layout)
         effort -= TOUR_EFFORT
-        reduced = tour - gain - trip
+        reduced, shortest = tour - gain - trip, least_length(words[depth + 1], orders.layout, tour)
         chosen[depth] = order
         if reduced < below and heavy >= lightest:
             least = min(least, reduced)
@@ -274,10 +275,10 @@ def _list_batches(
                 members[found, k] = chosen[k] if k <= depth else -1
             lengths[found], loads[found] = tour, heavy
             found += 1
-        if reduced - more >= below:
+        if shortest - gain - trip - more >= below:
             _uncount(prices, order, within)
             continue
-        load[depth + 1], paid[depth + 1], length[depth + 1] = heavy, gain, tour
+        load[depth + 1], paid[depth + 1], length[depth + 1] = heavy, gain, shortest
         following[depth + 1] = order + 1
         depth += 1
     walk.at[0], walk.at[1] = depth, found

@@ -117,8 +117,7 @@ class Generation:
         """
         stop = Work(until)
         proof = self.proof = Proof()
-        # No plan costs more than a trip for each order.
-        self.upper, self.best_trips = 2.0 * self.scale * self.count, self.count
+        self.upper, self.best_trips = 2.0 * self.orders.most, self.count
         self._offer(known)
         proof.plan = None
         if self.trips[0] > self.trips[1]:  # more trips are needed than there are
@@ -178,7 +177,7 @@ class Generation:
             self.upper, self.best_trips, self.proof.plan = cost, len(plan), plan
 
     def _new_master(self) -> Master:
-        outside = 10.0 * self.scale * self.count
+        outside = 10.0 * self.orders.most
         return Master(self.count, self.trips, self.fleet, outside)
 
     def _add(self, pool: Pool) -> int:
