@@ -11,6 +11,10 @@ import pytest
 from hypothesis import HealthCheck, settings
 from processes import children, end, until
 
+# Two workers whose linear algebra wants both cores would mostly wait for each other. Read when
+# numpy is imported, so before anything else.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # Times depend on the machine and on what else runs on it: examples have no deadline. In CI the
 # same examples are drawn every time, so that a failure there can be repeated anywhere.
 settings.register_profile("here", deadline=None, suppress_health_check=[HealthCheck.too_slow])
