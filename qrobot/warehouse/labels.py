@@ -63,7 +63,7 @@ def shortest_within(relaxed: Relaxed, limit: float) -> tuple[float, set[int]] | 
     while last > 0:
         choice = labels.taken[last]
         if choice < len(kept):
-            offers.update(choices.offers[kept[choice]])
+            offers |= choices.offers(kept[choice])
         last = labels.parents[last]
     return float(length), offers
 

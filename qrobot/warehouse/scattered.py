@@ -30,6 +30,10 @@ KINDS = ("none", "pass", "twice", "front", "back", "both")
 """The first of `states.VERTICAL`, those that are possible anywhere."""
 
 
+CHUNK = 256
+"""Choices that are compared with each other at once."""
+
+
 @dataclass(frozen=True, slots=True)
 class Offer:
     """Pieces of an article that could be taken in a place.
@@ -61,14 +65,28 @@ class Choices:
         Shape (n,), metres.
     pieces
         Shape (n, articles): what can be taken, at most what is asked for.
-    offers
-        For each the indices of the offers on its way.
+    cuts
+        Shape (n, 4): the offers on the way of each are two spans of `along`.
+    along
+        Indices of offers, sub-aisle by sub-aisle from its front.
     """
 
     groups: Numbers
     costs: Floats
     pieces: Numbers
-    offers: tuple[tuple[int, ...], ...]
+    cuts: Numbers
+    along: Numbers
+
+    def offers(self, choice: int) -> set[int]:
+        """Return the indices of the offers on the way of a choice."""
+        first, front, back, last = self.cuts[choice]
+        return {*self.along[first:front].tolist(), *self.along[back:last].tolist()}
+
+    def part(self, kept: Numbers) -> Choices:
+        """Return some of the choices."""
+        return Choices(
+            self.groups[kept], self.costs[kept], self.pieces[kept], self.cuts[kept], self.along
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,31 +136,34 @@ def network_of(
     useful = [i for i, offer in enumerate(offers) if asked[offer.article] > 0]
     parts, offsets = positions_of(warehouse, [offers[i].slot for i in useful])
     grid, parts = _without_empty(grid_of(warehouse), parts)
-    groups, costs, pieces, taken = [], [], [], []
+    made: list[tuple[Numbers, Floats, Numbers, Numbers]] = []
+    amounts = np.array([offers[i].quantity for i in useful], dtype=np.int64)
+    articles = np.array([offers[i].article for i in useful], dtype=np.int64)
+    order = np.lexsort((offsets, parts))
     for part in np.unique(parts).tolist():
-        inside = np.flatnonzero(parts == part)
-        inside = inside[np.argsort(offsets[inside], kind="stable")]
+        first, last = np.searchsorted(parts[order], [part, part + 1])
+        inside = order[first:last]
         length = float(grid.along.ravel()[part])
         if not np.isfinite(length):
             continue
-        amounts = np.zeros((len(inside), len(asked)), dtype=np.int64)
-        for row, i in enumerate(inside.tolist()):
-            amounts[row, offers[useful[i]].article] = offers[useful[i]].quantity
-        for kind, cost, total, rows in _choices(length, offsets[inside], amounts, asked):
-            groups.append(PLAIN * part + kind)
-            costs.append(cost)
-            pieces.append(total)
-            taken.append(tuple(useful[inside[row]] for row in rows))
+        there = np.zeros((len(inside), len(asked)), dtype=np.int64)
+        there[np.arange(len(inside)), articles[inside]] = amounts[inside]
+        kinds, costs, pieces, cuts = _choices(length, offsets[inside], there, asked)
+        made.append((PLAIN * part + kinds, costs, pieces, first + cuts))
+    made.append(
+        (
+            np.empty(0, dtype=np.int64),
+            np.empty(0),
+            np.empty((0, len(asked)), dtype=np.int64),
+            np.empty((0, 4), dtype=np.int64),
+        )
+    )
+    groups, costs, pieces, cuts = (np.concatenate(field) for field in zip(*made, strict=True))
     filled = set(parts.tolist())
     return _network(
         grid,
         filled,
-        Choices(
-            np.array(groups, dtype=np.int64),
-            np.array(costs, dtype=np.float64),
-            np.array(pieces, dtype=np.int64).reshape(-1, len(asked)),
-            tuple(taken),
-        ),
+        Choices(groups, costs, pieces, cuts, np.array(useful, dtype=np.int64)[order]),
         asked,
     )
 
@@ -167,8 +188,8 @@ def _without_empty(grid: Grid, parts: npt.NDArray[np.intp]) -> tuple[Grid, npt.N
 
 def _choices(
     length: float, offsets: Floats, amounts: Numbers, asked: Numbers
-) -> list[tuple[int, float, Numbers, list[int]]]:
-    """Return kind, cost, pieces and places of the choices that no other one replaces."""
+) -> tuple[Numbers, Floats, Numbers, Numbers]:
+    """Return kinds, costs, pieces and cuts of the choices that no other one replaces."""
     places = np.unique(offsets)
     level = np.searchsorted(places, offsets)
     count = len(places)
@@ -179,32 +200,62 @@ def _choices(
     last = first[-1] - first  # and from each on
     out = np.append(0.0, 2 * places)
     back = np.append(2 * (length - places), 0.0)
-    reach, rest = np.triu_indices(count + 1)
-    # Both ends are entered, and something between is left out or nothing is.
-    partly = (reach > 0) & (rest < count) & (rest >= reach)
+    every, none = np.arange(1, count + 1), np.zeros(count, dtype=np.int64)
+    reach, rest = _partly(first, last, asked[here])
+    whole = np.array([count])
     ways = [
-        ("pass", [length], [count], [count]),
-        ("twice", [2 * length], [count], [count]),
-        ("front", out[1:], range(1, count + 1), [count] * count),
-        ("back", back[:-1], [0] * count, range(count)),
-        ("both", (out[reach] + back[rest])[partly], reach[partly], rest[partly]),
+        ("pass", np.array([length]), whole, whole),
+        ("twice", np.array([2 * length]), whole, whole),
+        ("front", out[1:], every, none + count),
+        ("back", back[:-1], none, every - 1),
+        ("both", out[reach] + back[rest], reach, rest),
     ]
-    kept = []
-    for kind, prices, fronts, backs in ways:
-        cost, front, rear = np.array(prices), np.array(fronts), np.array(backs)
+    kinds, costs, pieces, cuts = [], [], [], []
+    for kind, *way in ways:
+        order = np.argsort(way[0], kind="stable")
+        cost, front, rear = (field[order] for field in way)
         total = np.minimum(first[front] + last[rear], asked[here])
-        order = np.argsort(cost, kind="stable")
-        better = np.empty_like(total)
-        found = 0
-        for k in order.tolist():
-            if (better[:found] >= total[k]).all(axis=1).any():
-                continue
-            better[found] = total[k]
-            found += 1
-            pieces = np.zeros(len(asked), dtype=np.int64)
-            pieces[here] = total[k]
-            rows = np.flatnonzero((level < front[k]) | (level >= rear[k])).tolist()
-            kept.append((KINDS.index(kind), float(cost[k]), pieces, rows))
+        kept = _not_replaced(total)
+        kinds.append(np.full(len(kept), KINDS.index(kind)))
+        costs.append(cost[kept])
+        pieces.append(total[kept])
+        ends = np.searchsorted(level, [front[kept], rear[kept]])
+        cuts.append(np.column_stack([0 * ends[0], *ends, 0 * ends[0] + len(level)]))
+    amount = np.concatenate(pieces)
+    wide = np.zeros((len(amount), len(asked)), dtype=np.int64)
+    wide[:, here] = amount
+    return np.concatenate(kinds), np.concatenate(costs), wide, np.concatenate(cuts)
+
+
+def _partly(first: Numbers, last: Numbers, asked: Numbers) -> tuple[Numbers, Numbers]:
+    """Return how many places from the front and from which on, when both ends are entered.
+
+    Something between is left out or nothing is; neither end goes one place on for nothing.
+    """
+    count = len(first) - 1
+    reach, rest = np.triu_indices(count)
+    reach = reach + 1  # from 1 on
+    rest = rest.copy()
+    use = rest >= reach
+    reach, rest = reach[use], rest[use]
+    total = np.minimum(first[reach] + last[rest], asked)
+    shorter = np.minimum(first[reach - 1] + last[rest], asked)
+    later = np.minimum(first[reach] + last[np.minimum(rest + 1, count)], asked)
+    idle = (reach > 1) & (shorter == total).all(axis=1)
+    idle |= (rest < count - 1) & (later == total).all(axis=1)
+    return reach[~idle], rest[~idle]
+
+
+def _not_replaced(total: Numbers) -> Numbers:
+    """Return which rows have more of something than each one before."""
+    kept = np.empty(0, dtype=np.int64)
+    for begin in range(0, len(total), CHUNK):
+        chunk = np.arange(begin, min(begin + CHUNK, len(total)))
+        before = np.concatenate([kept, chunk])
+        replaced = before[:, None] < chunk
+        for article in range(total.shape[1]):
+            replaced &= total[before, article][:, None] >= total[chunk, article]
+        kept = np.concatenate([kept, chunk[~replaced.any(axis=0)]])
     return kept
 
 

@@ -23,6 +23,10 @@ from qrobot.warehouse import Router
 pytest.importorskip("ortools")
 
 from qrobot.backends.classical.scattered import choose_places
+from qrobot.warehouse.prices import relax
+from qrobot.warehouse.scattered import Network, Offer, network_of
+
+COMPILED = pytest.mark.skipif(not _jit.available(), reason="numba is not installed")
 
 PUBLISHED = Path("/work/shared/data/picking")
 
@@ -208,6 +212,47 @@ def test_labels_find_what_the_integer_programme_finds(
         assert one is not None
         assert other is not None
         assert one.bound == pytest.approx(other.bound)
+
+
+def linear_bound(network: Network) -> float:
+    """Return the value of the linear programme of a network, by HiGHS."""
+    choices, arcs = network.choices, len(network.tails)
+    names = np.unique(choices.groups)
+    flow = np.zeros((network.nodes + len(names), arcs + len(choices.costs)))
+    flow[network.tails, np.arange(arcs)] += 1.0
+    flow[network.heads, np.arange(arcs)] -= 1.0
+    for row, name in enumerate(names, network.nodes):
+        flow[row, :arcs] = network.groups == name
+        flow[row, arcs:] = -1.0 * (choices.groups == name)
+    ends = np.zeros(len(flow))
+    ends[0], ends[network.nodes - 1] = 1.0, -1.0
+    pieces = np.hstack([np.zeros((len(network.demand), arcs)), choices.pieces.T])
+    found = pytest.importorskip("scipy.optimize").linprog(
+        np.concatenate([network.costs, choices.costs]),
+        A_ub=-pieces,
+        b_ub=-network.demand,
+        A_eq=flow,
+        b_eq=ends,
+    )
+    return float(found.fun)
+
+
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=COMPILED)])
+@pytest.mark.parametrize("blocks", [1, 2])
+def test_the_bound_of_prices_is_nearly_that_of_the_linear_programme(
+    blocks: int, compiled: bool
+) -> None:
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        house = AisleWarehouse(6, 10 // blocks, blocks)
+        offers = [
+            Offer(article, Slot(int(a), int(s), int(b)), int(random.integers(1, 4)))
+            for article in range(5)
+            for a, s, b in random.integers((6, 10 // blocks, blocks), size=(4, 3))
+        ]
+        network = network_of(house, offers, random.integers(1, 5, size=5).tolist())
+        best = linear_bound(network)
+        assert 0.97 * best <= relax(network, compiled=compiled).bound <= best + 1e-6
 
 
 LOWER = {

@@ -30,7 +30,10 @@ NOT_COMPILED = (
 KERNELS = (("batching/annealing.py", "_anneal"), ("generation/batches.py", "_list_batches"))
 """Of searches for batches: file and function."""
 
-PLACES = (("../../warehouse/labels.py", "_label"),)
+PLACES = (
+    ("../../warehouse/labels.py", "_label"),
+    ("../../warehouse/subgradient.py", "search_prices"),
+)
 """Of the choice of places."""
 
 

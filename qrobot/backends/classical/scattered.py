@@ -103,11 +103,12 @@ def _shortest(network: Network, step: float, stop: Stop) -> tuple[set[int] | Non
     Only what may be on a tour of some length is looked at. A tour that is not longer is a
     shortest one; otherwise the length of the tour that was found, or a larger guess, is next.
     """
-    relaxed = relax(network)
+    compiled = _jit.available() and compiled_soon(stop, PLACES)
+    relaxed = relax(network, compiled=compiled)
     if math.isinf(relaxed.bound):
         return None, 0.0
     bound = math.ceil(relaxed.bound / step - 1e-6) * step
-    if _jit.available() and compiled_soon(stop, PLACES):
+    if compiled:
         bound, chosen = _by_labels(relaxed, bound, step, stop)
         if chosen is not None:
             return chosen, bound
@@ -191,9 +192,9 @@ def _solve(network: Network, stop: Stop) -> tuple[float, set[int] | None] | None
         return None
     passed = {
         offer
-        for variable, offers in zip(use[arcs:], choices.offers, strict=True)
+        for choice, variable in enumerate(use[arcs:])
         if variable.solution_value() > 0.5
-        for offer in offers
+        for offer in choices.offers(choice)
     }
     return float(objective.Value()), passed
 
