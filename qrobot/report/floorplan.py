@@ -20,6 +20,8 @@ EDGE = 26.0
 LANE = 5.0
 """Between two lanes of one aisle, where it is wide enough."""
 BEND = 4.0
+ONE_WAY_HEAD = 6.0
+"""Of the arrows along one-way parts: smaller than those of the trips."""
 LEAST_SLOT = 3.0
 """Smaller slots are not drawn one by one, but each rack as one."""
 Sharing = dict[Place, list[int]]
@@ -96,6 +98,10 @@ class FloorPlan:
         As the attribute ``d`` of one path.
     closed
         Boxes that nobody can enter.
+    one_ways
+        Parts that are walked in one direction only: where each begins and leads to.
+    heads
+        Their arrow heads, as the attribute ``points`` of a polygon each.
     dots
         Places of other items.
     names
@@ -113,6 +119,8 @@ class FloorPlan:
     floor: Box | None
     racks: str
     closed: tuple[Box, ...]
+    one_ways: tuple[tuple[XY, XY], ...]
+    heads: tuple[str, ...]
     dots: tuple[XY, ...]
     names: tuple[tuple[XY, str], ...]
     depot: XY
@@ -142,12 +150,16 @@ def floor_plan(scene: Scene, journeys: Sequence[Journey], size: tuple[float, flo
             sharing.setdefault(place, []).append(journey.number)
     others = [item.place for item in scene.instance.items if item.id not in shown]
     boxes = [] if racks is None else _rack_boxes(racks, frame)
+    ends = () if racks is None else racks.one_ways()
+    one_ways = tuple((frame.point(first), frame.point(last)) for first, last in ends)
     return FloorPlan(
         width=frame.width,
         height=frame.height,
         floor=None if racks is None else frame.box(racks.floor),
         racks="".join(f"M{x:.1f} {y:.1f}h{w:.1f}v{h:.1f}h{-w:.1f}z" for x, y, w, h in boxes),
         closed=() if racks is None else tuple(map(frame.box, racks.closed())),
+        one_ways=one_ways,
+        heads=tuple(head for part in one_ways for head in _arrows(part, size=ONE_WAY_HEAD)),
         dots=tuple(dict.fromkeys(frame.point(_middle(scene, racks, place)) for place in others)),
         names=() if racks is None else tuple(_names(racks, frame)),
         depot=frame.point(house.depot),
