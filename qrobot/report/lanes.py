@@ -75,8 +75,8 @@ class Lanes:
     Parameters
     ----------
     ways
-        For each trip its legs, each the corner points from one stop to the next; all runs
-        are parallel to an axis.
+        For each trip its legs, each the corner points from one stop to the next. A slanting
+        part, such as a further way of the depot, is drawn with a corner.
     margin
         Runs of one corridor that come closer than this do not share a lane.
     """
@@ -133,7 +133,7 @@ def _runs(trip: int, legs: Sequence[Sequence[XY]]) -> list[_Run]:
     runs: list[_Run] = []
     waiting: list[int] = []  # stops before the first move
     for number, leg in enumerate(legs):
-        for a, b in pairwise(leg):
+        for a, b in pairwise(_square(leg, out=number == 0)):
             dx, dy = b[0] - a[0], b[1] - a[1]
             if abs(dx) < CLOSE and abs(dy) < CLOSE:
                 continue
@@ -152,6 +152,16 @@ def _runs(trip: int, legs: Sequence[Sequence[XY]]) -> list[_Run]:
             else:
                 waiting.append(number)
     return runs
+
+
+def _square(leg: Sequence[XY], *, out: bool) -> list[XY]:
+    """Return a leg with a corner in each slanting part: beside its end at the depot."""
+    points = list(leg[:1])
+    for a, b in pairwise(leg):
+        if abs(a[0] - b[0]) >= CLOSE and abs(a[1] - b[1]) >= CLOSE:
+            points.append((b[0], a[1]) if out else (a[0], b[1]))
+        points.append(b)
+    return points
 
 
 def _wishes(runs: list[_Run]) -> None:

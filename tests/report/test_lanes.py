@@ -77,6 +77,15 @@ def legs_of(plan: Plan, instance: Instance) -> list[list[list[XY]]]:
     return found
 
 
+def test_a_slanting_way_from_the_depot_leads_past_its_stop() -> None:
+    """A further way of the depot, to the crossing of another aisle, and back the same way."""
+    way = [[(0.25, -0.5), (0.0, 0.0), (0.0, 0.25)], [(0.0, 0.25), (0.0, 0.0), (0.25, -0.5)]]
+    (line,) = Lanes([way], margin=1e-6).lines(step=1e-3, widths=WIDE)
+    (stop,) = line.stops
+    assert math.dist(stop, (0.0, 0.25)) < 0.01
+    assert all(math.dist(end, (0.25, -0.5)) < 0.01 for end in (line.corners[0], line.corners[-1]))
+
+
 @settings(max_examples=60)
 @given(plans(min_items=1, max_items=9, kinds=["aisles"], multi_trip=True))
 def test_lines_pass_their_stops_and_no_line_hides_another(drawn: tuple[Plan, Instance]) -> None:
