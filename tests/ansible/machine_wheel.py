@@ -24,6 +24,14 @@ NO_START: Edits = {
 }
 """The command line imports what does not exist."""
 
+NO_MACHINE_CODE: Edits = {
+    "qrobot/backends/classical/compilation.py": (
+        'load("numba", "compiling the searches")',
+        'raise RuntimeError("no such processor")',
+    )
+}
+"""The searches do not compile; all else works."""
+
 
 def another(wheel: Path, folder: Path, version: str, edits: Edits | None = None) -> Path:
     """Write a wheel of another version.

@@ -45,10 +45,11 @@ def test_the_searches_are_compiled_when_a_release_is_made_and_go_with_it(tmp_pat
     made.discard("a")
     assert not kept.exists()
 
-    # What the searches are worth, the health checks say: a release that cannot compile is made.
+    # A release that cannot compile is made and says why: its proof refuses it.
     broken = wheel(tmp_path / "wheels", "qrobot", "1.1", "raise SystemExit('no such processor')\n")
-    made, _ = real(tmp_path, lock(broken, compiler), "b")
-    assert (made.folder / "b").exists()
+    real(tmp_path, lock(broken, compiler), "b")
+    assert made.uncompiled("b") == "no such processor"
+    assert made.uncompiled("a") == ""
     full = wheel(
         tmp_path / "wheels", "qrobot", "1.2", "raise SystemExit('No space left on device')\n"
     )

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from machine import Machine, Run
-from machine_wheel import NO_START, WRONG_PLANS, Edits, another
+from machine_wheel import NO_MACHINE_CODE, NO_START, WRONG_PLANS, Edits, another
 
 SECRETS = {
     "credentials_aws_access_key_id": "AKIAQROBOTPLANTED000",
@@ -176,6 +176,7 @@ def test_a_link_in_the_home_leads_root_nowhere(
     [
         ("0.2.0", WRONG_PLANS, "(qrobot: "),
         ("0.2.1", NO_START, "planted_fault"),
+        ("0.2.2", NO_MACHINE_CODE, "its searches were not compiled: RuntimeError: no such"),
     ],
 )
 def test_an_upgrade_that_fails_its_proof_leaves_the_old_release(
@@ -189,7 +190,8 @@ def test_an_upgrade_that_fails_its_proof_leaves_the_old_release(
 ) -> None:
     before = release(machine)
     bad = another(wheel, tmp_path, version, edits)
-    done = machine.playbook("upgrade.yml", qrobot_wheel=str(bad))
+    compiles = edits == NO_MACHINE_CODE
+    done = machine.playbook("upgrade.yml", qrobot_wheel=str(bad), qrobot_compile=compiles)
     assert done.code != 0
     sentence = done.why()
     assert re.search(rf"robot: release {version}-solver-\w+ failed its health checks", sentence)

@@ -138,6 +138,10 @@ damage:
   returned: for V(verified)
   type: list
   elements: str
+uncompiled:
+  description: Why its searches were not compiled, empty when they were or need not be.
+  returned: for V(present)
+  type: str
 removed:
   description: What was removed, as paths below the root.
   returned: for V(pruned)
@@ -182,7 +186,7 @@ def apply(releases, given, check):
             given["verify"],
             given["compiles"],
         )
-        return {"id": name, "changed": changed}
+        return {"id": name, "changed": changed, "uncompiled": releases.uncompiled(name)}
     if state == "current":
         return {"id": name, "changed": releases.switch(name)}
     if state == "absent":

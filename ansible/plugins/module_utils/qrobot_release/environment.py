@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
 import subprocess
 from pathlib import Path
 from typing import Any
 
 from .files import ReleaseError, write
+
+
+class CompileError(ReleaseError):
+    """The searches of a release were not compiled, and not because the disk is full."""
 
 
 def last_error(output: str) -> str:
@@ -64,11 +67,11 @@ def build(
 
 def compile_searches(
     target: Path, scratch: Path, older: Path | None, held: tuple[int, ...] = ()
-) -> None:
+) -> str:
     """Compile the searches of a release that has numba.
 
     The machine code lies beside the package: its users and services read it there, and it goes
-    with the release. The health checks judge a release whose searches do not compile.
+    with the release.
 
     Parameters
     ----------
@@ -77,23 +80,28 @@ def compile_searches(
     older
         A release whose machine code is taken over where the searches are the same.
 
+    Returns
+    -------
+    str
+        Why they were not compiled, empty when they were: its proof tells it, as it tells what
+        else is wrong with a release.
+
     Raises
     ------
     ReleaseError
         When the disk is full.
     """
     if not any(target.glob("lib/python*/site-packages/numba-*.dist-info")):
-        return
+        return ""
     command: list[Any] = [target / "bin" / "qrobot", "compile"]
     packages = list(older.glob("lib/python*/site-packages/qrobot")) if older else []
     if packages:
         command += ["--from", packages[0]]
-    with contextlib.suppress(CompileError):
+    try:
         _run(command, target.name, scratch, held)
-
-
-class CompileError(ReleaseError):
-    """The searches of a release were not compiled, and not because the disk is full."""
+    except CompileError as error:
+        return str(error)
+    return ""
 
 
 def _run(command: list[Any], release: str, scratch: Path, held: tuple[int, ...]) -> None:

@@ -104,8 +104,7 @@ class Releases(State):
             scratch.mkdir()
             try:
                 self._build(target, scratch, requirements, Path(wheels), Path(uv), python)
-                if compiles:
-                    self._compile(target, scratch)
+                uncompiled = self._compile(target, scratch) if compiles else ""
             except (ReleaseError, OSError):
                 remove(target)  # its room is needed, and nothing of it can be used
                 raise
@@ -116,6 +115,7 @@ class Releases(State):
                 "serial": 1 + max((self._serial(n) for n in self._names()), default=0),
                 "installed_at": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
                 "note": note or {},
+                "uncompiled": uncompiled,
             }
             write(target / "release.json", record)
             os.sync()  # what the manifest lists is on the disk before the manifest is
@@ -265,10 +265,10 @@ class Releases(State):
         """Make the environment; uv holds the lock as long as it lives."""
         build(target, scratch, *given, self._held())
 
-    def _compile(self, target: Path, scratch: Path) -> None:
-        """Compile its searches, or take over what the release in use has of them."""
+    def _compile(self, target: Path, scratch: Path) -> str:
+        """Compile its searches, or take over what the release in use has; return why not."""
         now = self.current_id()
-        compile_searches(target, scratch, self.folder / now if now else None, self._held())
+        return compile_searches(target, scratch, self.folder / now if now else None, self._held())
 
     def _held(self) -> tuple[int, ...]:
         return () if self._lock is None else (self._lock,)

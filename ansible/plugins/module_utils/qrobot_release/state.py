@@ -75,6 +75,10 @@ class State:
         """ID that a release was installed for: its name without the suffix of a second build."""
         return str(self._record(name).get("id", name))
 
+    def uncompiled(self, name: str) -> str:
+        """Why the searches of a release were not compiled, empty when they were, or need not be."""
+        return str(self._record(name).get("uncompiled", ""))
+
     def complete_id_for(self, wanted: str, verify: bool = False) -> str | None:
         """Name of a complete release for an ID: the one in use, or else the latest.
 
