@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qrobot._arrays import Floats
+from qrobot.problem.spanning import spanning_tree
 
 __all__ = ["insert_orders", "outlying", "useful_limit"]
 
@@ -71,16 +72,10 @@ def useful_limit(
 
 
 def _spanning(d: Floats) -> float:
-    """Return the length of a shortest tree over all rows (Prim 1957): no plan is shorter."""
-    near = np.minimum(d[0], d[:, 0])
-    out = np.ones(len(d), dtype=bool)
-    out[0], total = False, 0.0
-    for _ in range(len(d) - 1):
-        row = int(np.where(out, near, np.inf).argmin())
-        total += float(near[row])
-        out[row] = False
-        near = np.minimum(near, np.minimum(d[row], d[:, row]))
-    return total
+    """Return the length of a shortest tree over all rows: no plan is shorter."""
+    tree = spanning_tree(np.minimum(d, d.T))
+    assert tree is not None  # nothing stopped it
+    return float(tree[1].sum())
 
 
 def _price_above(d: Floats, trips: int) -> float:

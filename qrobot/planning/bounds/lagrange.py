@@ -13,13 +13,11 @@ import numpy.typing as npt
 from qrobot._arrays import Floats
 from qrobot.planning.bounds.quick import fewest_trips, most_trips, quick_bound, shortest_ways
 from qrobot.problem import Instance
+from qrobot.problem.spanning import spanning_tree
 
 __all__ = ["forest_bound", "load_steps", "walk_bound"]
 
 Rows = npt.NDArray[np.intp]
-
-BETWEEN_LOOKS = 50
-"""Edges of a tree between looks at the clock."""
 
 MAX_STOPS = 2_500
 """Beyond it the spanning trees take longer than the bound is worth."""
@@ -67,7 +65,7 @@ def forest_bound(
     trips = np.arange(fewest_trips(instance), min(most_trips(instance), n) + 1)
 
     def relaxed(prices: Floats) -> tuple[float, Floats] | None:
-        tree = _spanning_tree(d[1:, 1:] + prices[:, None] + prices[None, :], stop)
+        tree = spanning_tree(d[1:, 1:] + prices[:, None] + prices[None, :], stop)
         if tree is None:
             return None
         bound, degrees = _cheapest_forest(d, prices, trips, *tree)
@@ -98,31 +96,6 @@ def _cheapest_forest(
     np.add.at(degrees, kept.ravel(), 1.0)
     degrees[nearest[:k]] += 2.0
     return float(totals.min() - 2 * prices.sum()), degrees
-
-
-def _spanning_tree(weights: Floats, stop: Callable[[], bool]) -> tuple[Rows, Floats] | None:
-    """Return the edges (n - 1, 2) and lengths of a minimum spanning tree (Prim 1957).
-
-    None when stopped: the trees of large instances take long.
-    """
-    n = len(weights)
-    reach = weights[0].copy()
-    via = np.zeros(n, dtype=np.intp)
-    outside = np.ones(n, dtype=bool)
-    outside[0] = False
-    ends = np.empty((n - 1, 2), dtype=np.intp)
-    lengths = np.empty(n - 1)
-    for edge in range(n - 1):
-        if edge % BETWEEN_LOOKS == 0 and stop():
-            return None
-        v = int(np.where(outside, reach, np.inf).argmin())
-        ends[edge] = via[v], v
-        lengths[edge] = reach[v]
-        outside[v] = False
-        nearer = weights[v] < reach
-        reach = np.where(nearer, weights[v], reach)
-        via = np.where(nearer, v, via)
-    return ends, lengths
 
 
 def walk_bound(
