@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from health.browser import browser, needs_chromium
 from report.animated import page_of
 
 import qrobot
@@ -63,3 +64,17 @@ def test_arrows_point_where_pickers_may_walk(
 def test_aisles_walked_both_ways_have_none(tmp_path: Path) -> None:
     for page in pages(AisleWarehouse(4, 5), tmp_path):
         assert 'class="one-way"' not in page
+
+
+@needs_chromium
+def test_arrows_are_seen_in_a_browser(tmp_path: Path) -> None:
+    seen = "[...document.querySelectorAll('.one-way polygon')].map(p => p.getBoundingClientRect())"
+    written = pages(AisleWarehouse(4, 5, **ONE_WAY), tmp_path)  # type: ignore[arg-type]
+    with browser() as chromium:
+        for number, text in enumerate(written):
+            page = tmp_path / f"{number}.html"
+            page.write_text(text)
+            chromium.open(page, 900)
+            widths = chromium.ask(f"{seen}.map(box => Math.min(box.width, box.height))")
+            assert len(widths) >= 2
+            assert min(widths) > 3
