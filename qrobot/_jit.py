@@ -100,7 +100,29 @@ def _jit(
     made: Callable[..., Any] = numba.njit(
         cache=cache, fastmath=flags, inline="always" if inline else "never", **OPTIONS, **more
     )(function)
-    return made
+    return _forgiving(made) if cache else made
+
+
+def _forgiving(kernel: Any) -> Any:
+    """Return a kernel that compiles anew where its file in the cache is damaged.
+
+    numba itself fails then, each time: a machine that lost power may have files without content.
+    """
+    cached = getattr(kernel, "_cache", None)
+    if cached is None:
+        return kernel
+    load = cached.load_overload
+
+    def load_overload(*asked: Any) -> Any:
+        try:
+            return load(*asked)
+        except Exception:  # what unpickling of anything raises
+            with contextlib.suppress(OSError):  # a folder that takes no files: compiled each time
+                cached.flush()
+            return None
+
+    cached.load_overload = load_overload
+    return kernel
 
 
 def _brought(kernel: Any, function: Callable[..., Any]) -> Callable[..., Any]:

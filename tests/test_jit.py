@@ -208,6 +208,29 @@ _jit.older = Path({str(tmp_path / "old/package")!r})
 
 
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
+@pytest.mark.parametrize("kind", ["nbc", "nbi"])
+@pytest.mark.parametrize("damage", ["empty", "half", "zeros", "other"])
+def test_damaged_machine_code_is_compiled_anew(tmp_path: Path, kind: str, damage: str) -> None:
+    """As after a loss of power, or a copy that was cut off."""
+    package = tmp_path / "package"
+    package.mkdir()
+    (package / "kernels.py").write_text(KERNEL)
+    place = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    ask(tmp_path, **place)
+    (file,) = (tmp_path / "cache").rglob(f"*.{kind}")
+    content = file.read_bytes()
+    broken = {
+        "empty": b"",
+        "half": content[: len(content) // 2],
+        "zeros": bytes(len(content)),
+        "other": b"no machine code\n",
+    }
+    file.write_bytes(broken[damage])
+    assert ask(tmp_path, **place)[1] == "0"
+    assert ask(tmp_path, **place)[1] == "1"
+
+
+@pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 def test_a_full_disk_switches_the_cache_off(monkeypatch: pytest.MonkeyPatch) -> None:
     from qrobot.backends.gate.state import compiled, kernels
 
