@@ -220,7 +220,8 @@ def _choices(
         costs.append(cost[kept])
         pieces.append(total[kept])
         ends = np.searchsorted(level, [front[kept], rear[kept]])
-        cuts.append(np.column_stack([0 * ends[0], *ends, 0 * ends[0] + len(level)]))
+        start = np.zeros_like(ends[0])
+        cuts.append(np.column_stack([start, *ends, start + len(level)]))
     amount = np.concatenate(pieces)
     wide = np.zeros((len(amount), len(asked)), dtype=np.int64)
     wide[:, here] = amount
