@@ -168,17 +168,20 @@ class Instance:
     def longest_useful(self) -> float:
         """What a way costs at most in `stop_distances`; ``inf`` when all stand as they are.
 
-        More than some plan without a forbidden way is long, so that no shortest plan takes a
-        way of that price: neither one that is forbidden nor one that a large number marks.
+        More than some plan without a forbidden way is long, times the ratio of the robots' speeds,
+        so that no plan of least distance or time takes a way of that price: neither one that is
+        forbidden nor one that a large number marks.
         """
         if not self.warehouse.has_given_distances or not self.stops:
             return math.inf  # the way there and back is longer than any way of a metric
         rows = self._stop_rows
+        speeds = [robot.speed for robot in self.robots]
         return useful_limit(
             self.place_distances[np.ix_(rows, rows)],
             self._order_stops,
             self.order_weights.tolist(),
             self.vehicle_capacities,
+            max(speeds) / min(speeds),
         )
 
     def _priced(self, rows: npt.NDArray[np.intp], times: float) -> npt.NDArray[np.float64]:

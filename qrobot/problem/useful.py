@@ -36,12 +36,15 @@ def useful_limit(
     lots: Sequence[Sequence[int]],
     weights: Sequence[int],
     capacities: npt.NDArray[np.int64],
+    spread: float = 1.0,
 ) -> float:
     """Return a price that no way of a shortest plan reaches, ``inf`` when all ways are useful.
 
     It is more than the length of some plan without a forbidden way; where none was found
     quickly, ``inf`` when no way is forbidden, else `_price_above`. The arguments are those of
-    `insert_orders`, but `d` is ``inf`` where no way leads.
+    `insert_orders`, but `d` is ``inf`` where no way leads. `spread` is by how much a metre of one
+    robot may cost more than that of another: a long way of a fast one may cost less time than a
+    short plan of slow ones, so the price is so many times as large.
     """
     if len(d) < 2:
         return math.inf
@@ -50,7 +53,7 @@ def useful_limit(
     entered = np.where(np.eye(len(d), dtype=bool), np.inf, d)[:, 1:].min(axis=0)
     if ways.all() and (longest <= float(entered.sum()) or longest <= _spanning(d)):
         return math.inf  # every plan is longer than every way
-    price = _price_above(d, min(len(lots), len(capacities)))
+    price = float(math.ceil(spread * _price_above(d, min(len(lots), len(capacities)))))
     priced = np.where(ways, d, price)
     most = longest if ways.all() else price
     known = math.inf
@@ -66,7 +69,7 @@ def useful_limit(
     if known == 0.0:
         return float(d[d > 0].min())
     kept = d[d <= known]
-    limit = 1.01 * known
+    limit = 1.01 * known * spread
     # Whole distances stay whole.
     return float(math.ceil(limit)) if bool((kept == np.rint(kept)).all()) else limit
 

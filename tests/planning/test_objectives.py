@@ -20,7 +20,7 @@ from strategies import instances
 
 import qrobot
 from qrobot.plan import OBJECTIVES, Objective, read_plan
-from qrobot.problem import Instance, Robot
+from qrobot.problem import DistanceTable, Instance, Item, Node, Order, Robot
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEEDS = st.sampled_from([0.25, 0.7, 1.0, 1.5, 4.0])
@@ -69,6 +69,22 @@ def least_seconds(instance: Instance) -> float:
                 ways = zip(lengths, robots, strict=True)
                 least = min(least, math.fsum(length / robot.speed for length, robot in ways))
     return least + math.fsum(item.pick_seconds for item in instance.items)
+
+
+@pytest.mark.parametrize("backend", ["auto", "exact", "pyvrp", "pyvrp-plain"])
+@pytest.mark.parametrize("straight", [6.0, 1e3, math.inf])
+def test_a_long_way_of_a_fast_robot_costs_its_time(backend: str, straight: float) -> None:
+    """A limit of useful ways that holds for distances is no limit for times."""
+    ways = ((0.0, 1.0, 1.0), (1.0, 0.0, straight), (1.0, straight, 0.0))
+    instance = Instance(
+        warehouse=DistanceTable(ways),
+        items=tuple(Item(f"i{k}", 0, Node(k)) for k in (1, 2)),
+        orders=tuple(Order(f"i{k}", (f"i{k}",)) for k in (1, 2)),
+        robots=(Robot("R1", 1, speed=0.25), Robot("R2", 1, speed=0.7)),
+    )
+    result = qrobot.solve(instance, backend=backend, objective="time", max_work=50)
+    assert result.cost == pytest.approx(2 / 0.25 + 2 / 0.7)
+    assert result.bound <= result.cost * (1 + 1e-9)
 
 
 @settings(deadline=None, max_examples=60)
