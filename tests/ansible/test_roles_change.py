@@ -176,7 +176,7 @@ def test_a_link_in_the_home_leads_root_nowhere(
     [
         ("0.2.0", WRONG_PLANS, "(qrobot: "),
         ("0.2.1", NO_START, "planted_fault"),
-        ("0.2.2", NO_MACHINE_CODE, "its searches were not compiled: RuntimeError: no such"),
+        ("0.2.2", NO_MACHINE_CODE, "not compiled: qrobot: internal error: RuntimeError: no such"),
     ],
 )
 def test_an_upgrade_that_fails_its_proof_leaves_the_old_release(
