@@ -77,5 +77,8 @@ def usual_distance(instance: Instance) -> float:
     """Return the median of the ways that useful plans may contain, 1 when none is long."""
     d = instance.stop_distances
     d = d[:: 1 + len(d) // SAMPLED]
-    useful = d[(d > 0.0) & (d < instance.longest_useful)]
-    return float(np.median(useful)) if useful.size else 1.0
+    useful = np.sort(d[(d > 0.0) & (d < instance.longest_useful)])
+    if not useful.size:
+        return 1.0
+    # numpy's own median imports its masked arrays, a tenth of the time of a start.
+    return float((useful[(len(useful) - 1) // 2] + useful[len(useful) // 2]) / 2.0)
