@@ -26,6 +26,7 @@ from qrobot.planning.strategy import (
     Strategy,
     check_arguments,
 )
+from qrobot.planning.tours import shorten_tours
 from qrobot.problem import Instance
 from qrobot.problem.fleets import what_is_enough
 from qrobot.problem.formats import instance_of
@@ -146,9 +147,11 @@ def solve(
             if run is None:
                 run = Run(instance, stop, int(seed), on_progress, objective=aim)
                 strategy.plan(run)
+                shorten_tours(run)
                 bound_from_below(run)
             elif not run.finished:
                 plan_after_places(run, strategy)
+                shorten_tours(run)
         return result_of(run, name)
 
     def first() -> Result:
