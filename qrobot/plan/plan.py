@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
 from qrobot.errors import InputError
+from qrobot.plan.dealing import deal
 from qrobot.plan.objective import DISTANCE, Objective, assign, cost, objective_named
 from qrobot.plan.picks import Pick, picks_of
 from qrobot.problem.checks import canonical
@@ -142,15 +143,15 @@ class Plan:
             The question.
         routes
             For each trip its nodes (item index + 1) in sequence; empty ones are dropped.
-            The heaviest load goes to the largest robot, at equal capacity in the robots'
-            sequence, longest trip first; where the objective charges robots differently,
-            every trip to the robot at which all together cost least.
+            The longest are dealt first, each to the robot that is back from it first; where
+            the objective charges robots differently, every trip to the robot at which all
+            together cost least.
         objective
             What the plan costs.
         """
         kept = [[int(v) for v in route] for route in routes if len(route)]
         seats = (
-            _by_load(instance, kept)
+            deal(instance, kept)
             if objective.common_rate(instance) is not None
             else assign(instance, kept, objective)
         )
@@ -249,31 +250,6 @@ class Plan:
             picks=top.take("picks", _picks, ()),
             routing=top.take("routing", _text, "exact"),
         )
-
-
-def _by_load(instance: Instance, routes: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
-    """Return robot and turn of each route: the heaviest to the largest, else the longest first."""
-    loads = [sum(int(instance.weights[v - 1]) for v in route) for route in routes]
-    seats = [
-        (int(capacity), r, turn)
-        for r, (robot, capacity) in enumerate(
-            zip(instance.robots, instance.capacities, strict=True)
-        )
-        for turn in range(min(robot.trips, len(routes) or 1))
-    ]
-    if len(routes) > len(seats):
-        raise ValueError(f"{len(routes)} trips for {len(seats)} robots")
-    # Different robots before second turns, as long as capacities agree.
-    seats.sort(key=lambda s: (-s[0], s[2], s[1]))
-    uniform = len(set(instance.capacities.tolist())) == 1
-
-    def rank(i: int) -> tuple[float, float, Sequence[int]]:
-        return (0 if uniform else -loads[i], -instance.route_length(routes[i]), routes[i])
-
-    chosen = [(0, 0)] * len(routes)
-    for i, (_, r, turn) in zip(sorted(range(len(routes)), key=rank), seats, strict=False):
-        chosen[i] = r, turn
-    return chosen
 
 
 def _trip(instance: Instance, nodes: Sequence[int], robot: Robot) -> Trip:

@@ -1,0 +1,93 @@
+"""Which robot makes which trip, where that costs no metre: so that the last robot is back early."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from qrobot.problem import Instance
+
+__all__ = ["deal"]
+
+
+def deal(instance: Instance, routes: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
+    """Return for each route the robot (its index) and turn, so that all are done early.
+
+    The trip that takes longest is dealt first, each to the robot that is back from it first
+    (Graham 1969, longest processing time), as long as the heavier ones that are left find room.
+
+    Parameters
+    ----------
+    instance
+        The question; times are those of its robots' speeds and of each pick.
+    routes
+        Nodes of each trip.
+
+    Raises
+    ------
+    ValueError
+        When the robots cannot carry the routes.
+    """
+    if not routes:
+        return []
+    loads = np.array([instance.weights[np.array(route) - 1].sum() for route in routes])
+    picks = [math.fsum(instance.items[v - 1].pick_seconds for v in route) for route in routes]
+    lengths = np.array([instance.route_length(route) for route in routes])
+    speeds = np.array([robot.speed for robot in instance.robots])
+    seconds = lengths[:, None] / speeds + np.array(picks)[:, None]
+    left = _Left(instance, loads)
+    back = np.zeros(len(instance.robots))
+    turns = [0] * len(instance.robots)
+    chosen = [(0, 0)] * len(routes)
+    # Equal times are told apart by the stops, so that the sequence of the routes does not matter.
+    for i in sorted(range(len(routes)), key=lambda i: (-seconds[i].max(), routes[i])):
+        able = left.robots_for(int(loads[i]))
+        robot = min(able, key=lambda r: (round(back[r] + seconds[i, r], 9), r))
+        left.take(int(loads[i]), robot)
+        chosen[i] = robot, turns[robot]
+        turns[robot] += 1
+        back[robot] += seconds[i, robot]
+    return chosen
+
+
+class _Left:
+    """The trips that are not dealt yet, and the turns that robots have left.
+
+    The trips fit when, for every capacity, no more of them are heavier than all smaller robots
+    can carry than larger robots have turns.
+    """
+
+    def __init__(self, instance: Instance, loads: npt.NDArray[np.int64]) -> None:
+        self.rooms = instance.capacities
+        self.turns = np.array([min(robot.trips, len(loads)) for robot in instance.robots])
+        self.levels = np.unique(self.rooms)
+        # Of each level the trips that want at least that much room, and the turns that give it.
+        wanted = np.searchsorted(self.levels, loads)
+        if (wanted == len(self.levels)).any():
+            raise ValueError("a trip is heavier than the largest robot carries")
+        self.trips = np.array([(wanted >= k).sum() for k in range(len(self.levels))])
+        self.seats = np.array([self.turns[self.rooms >= room].sum() for room in self.levels])
+        if (self.trips > self.seats).any():
+            raise ValueError(f"{len(loads)} trips do not fit the robots")
+
+    def robots_for(self, load: int) -> list[int]:
+        """Return the robots that may take a trip of a load without leaving a heavier one behind."""
+        wanted = int(np.searchsorted(self.levels, load))
+        spare = self.seats > self.trips
+        return [
+            r
+            for r, room in enumerate(self.rooms.tolist())
+            # Of the levels above its own that the robot serves, each has a turn to spare.
+            if self.turns[r]
+            and room >= load
+            and bool(spare[wanted + 1 : int(np.searchsorted(self.levels, room)) + 1].all())
+        ]
+
+    def take(self, load: int, robot: int) -> None:
+        """Deal a trip of a load to a robot."""
+        self.turns[robot] -= 1
+        self.trips[: int(np.searchsorted(self.levels, load)) + 1] -= 1
+        self.seats[: int(np.searchsorted(self.levels, self.rooms[robot])) + 1] -= 1
