@@ -18,8 +18,10 @@ __all__ = ["HANG", "await_text", "children", "end", "gone", "until", "with_our_m
 HANG = 900.0
 """Seconds after which a thing hangs, however busy the machine is."""
 
-LASTING = ("multiprocessing.resource_tracker", "multiprocessing.forkserver")
-"""Children that Python keeps for its whole life."""
+LASTING = (
+    "multiprocessing.resource_tracker", "multiprocessing.forkserver", "the process that forks",
+)  # fmt: skip
+"""Children that Python, or `started`, keeps for its whole life."""
 
 
 def with_our_modules() -> dict[str, str]:

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import started
 from card.made import KEY, OTHER_KEY
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,15 +33,8 @@ def desk(tmp_path: Path) -> Path:
 
 
 def run(desk: Path, *words: str, given: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "qrobot", "image", "seed", "card", *words],
-        cwd=desk,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "HOME": str(desk)},
-        input=given,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    home = {"HOME": str(desk)}
+    return started.run("image", "seed", "card", *words, folder=desk, environment=home, given=given)
 
 
 def everything(desk: Path) -> str:

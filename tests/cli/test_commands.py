@@ -8,25 +8,21 @@ import re
 import signal
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+import started
 from processes import await_text
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
 
-def qrobot(*words: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
-    environment = os.environ | {"PYTHONPATH": str(ROOT)} | dict(options.pop("env", {}))  # type: ignore[call-overload]
-    return subprocess.run(
-        [sys.executable, "-m", "qrobot", *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=environment,
-        **options,  # type: ignore[arg-type]
-    )
+def qrobot(
+    *words: str | Path, cwd: str | Path = ".", env: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    return started.run(*words, folder=cwd, environment=env)
 
 
 def one_sentence(done: subprocess.CompletedProcess[str]) -> str:

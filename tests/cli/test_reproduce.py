@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import started
 
 from qrobot.cli import main
 
@@ -19,13 +20,7 @@ HEAVY = {"numpy", "dimod", "matplotlib", "numba", "qiskit", "pennylane", "braket
 
 
 def qrobot(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*QROBOT, *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )
+    return started.run(*words)
 
 
 def code_of(*words: str | Path) -> int:

@@ -10,8 +10,10 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import pytest
+import started
 
 from qrobot.cli.signals import stop_on_signals, terminate_as_interrupt
 
@@ -21,12 +23,14 @@ QUESTION = ROOT / "examples" / "paper-4-items.json"
 KEY = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIAABAgMEBQYHCAkKCwwNDg8QERITFBUWFxgZGhscHR4f me"
 
 CLOSED = {
-    "stdin closed": "<&-",
-    "stdout closed": ">&-",
-    "stderr closed": "2>&-",
-    "stdout and stderr closed": ">&- 2>&-",
-    "all closed": "<&- >&- 2>&-",
+    "stdin closed": ("stdin",),
+    "stdout closed": ("stdout",),
+    "stderr closed": ("stderr",),
+    "stdout and stderr closed": ("stdout", "stderr"),
+    "all closed": ("stdin", "stdout", "stderr"),
 }
+SHUT = {"stdin": "<&-", "stdout": ">&-", "stderr": "2>&-"}
+"""How a shell closes them."""
 GONE = {
     "reader of stdout gone": ("stdout",),
     "reader of stderr gone": ("stderr",),
@@ -117,7 +121,12 @@ def folder_with(made: Path, place: Path) -> Path:
 
 
 def run(command: Command, folder: Path, state: str) -> subprocess.CompletedProcess[bytes]:
-    """Run a command with its streams in a state; what is still a pipe is read."""
+    """Run a command with its streams in a state; what is still a pipe is read.
+
+    Those that meet all states are started with them, the others forked.
+    """
+    if command.states != "all":
+        return forked(command, folder, state)
     streams: dict[str, object] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     opened = []
     for name in GONE.get(state, ()):
@@ -133,7 +142,7 @@ def run(command: Command, folder: Path, state: str) -> subprocess.CompletedProce
             [
                 "sh",
                 "-c",
-                f'exec "$@" {CLOSED.get(state, "")}',
+                f'exec "$@" {" ".join(SHUT[name] for name in CLOSED.get(state, ()))}',
                 "sh",
                 *QROBOT,
                 *command.words.split(),
@@ -146,6 +155,32 @@ def run(command: Command, folder: Path, state: str) -> subprocess.CompletedProce
     finally:
         for number in opened:
             os.close(number)
+
+
+def forked(command: Command, folder: Path, state: str) -> subprocess.CompletedProcess[bytes]:
+    """Do the same as `run` in a process that need not import anything."""
+    with TemporaryFile() as out, TemporaryFile() as err, open(os.devnull) as nothing:
+        streams = {"stdin": nothing.fileno(), "stdout": out.fileno(), "stderr": err.fileno()}
+        opened = []
+        for name in GONE.get(state, ()):
+            reading, streams[name] = os.pipe()
+            os.close(reading)
+            opened.append(streams[name])
+        for name in FULL.get(state, ()):
+            streams[name] = os.open("/dev/full", os.O_WRONLY)
+            opened.append(streams[name])
+        begun = started.start(
+            command.words.split(),
+            {n: number for n, number in streams.items() if n not in CLOSED.get(state, ())},
+            folder=folder,
+            environment=os.environ | {"XDG_STATE_HOME": str(folder / "state")},
+        )
+        for number in opened:
+            os.close(number)
+        code = begun.wait()
+        out.seek(0)
+        err.seek(0)
+        return subprocess.CompletedProcess(command.words, code, out.read(), err.read())
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda one: " ".join(one.words.split()[:4])[-60:])
@@ -171,6 +206,19 @@ def test_streams_never_cost_the_work_nor_its_code(
             assert (folder / file).stat().st_size, f"{file} is missing: {told}"
             if file.endswith(".json"):
                 json.loads((folder / file).read_text())
+
+
+@pytest.mark.parametrize("state", ["", *STATES["all"]])
+def test_a_forked_command_does_what_a_started_one_does(
+    state: str, made: Path, tmp_path: Path
+) -> None:
+    command = Command(f"check wrong.json {QUESTION}", states="all")
+    one = run(command, folder_with(made, tmp_path / "started"), state)
+    other = forked(command, folder_with(made, tmp_path / "forked"), state)
+    assert other.returncode == one.returncode
+    # What is not read, or not kept, differs.
+    for text, same in ((one.stdout or b"", other.stdout), (one.stderr or b"", other.stderr)):
+        assert text in (same, b"")
 
 
 # -- encodings --------------------------------------------------------------------------------

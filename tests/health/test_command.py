@@ -13,6 +13,7 @@ from typing import Any
 
 import jsonschema
 import pytest
+import started
 from click.testing import CliRunner
 from health import samples
 from health.commands import code_of
@@ -26,13 +27,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def qrobot_health(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "qrobot", "health", *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-    )
+    return started.run("health", *words, folder=ROOT)
 
 
 def test_the_json_has_the_schema() -> None:
