@@ -64,7 +64,6 @@ class Labels:
     def settle(self, figure: Figure) -> None:
         """Hide what covers another text or leaves the sheet; call it when all is drawn."""
         FigureCanvasAgg(figure)
-        figure.draw_without_rendering()
         renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
         width, height = figure.bbox.width, figure.bbox.height
         apart = APART * figure.dpi / POINTS
