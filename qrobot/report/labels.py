@@ -63,6 +63,8 @@ class Labels:
 
     def settle(self, figure: Figure) -> None:
         """Hide what covers another text or leaves the sheet; call it when all is drawn."""
+        # Axes stand where they were put and ticks are made when they are asked for: texts can be
+        # measured without a drawing of the figure.
         FigureCanvasAgg(figure)
         renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
         width, height = figure.bbox.width, figure.bbox.height
