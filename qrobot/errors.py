@@ -17,6 +17,7 @@ The command line turns each into one sentence and an exit code: 2 for `InputErro
 from __future__ import annotations
 
 __all__ = [
+    "INSTALL",
     "BackendError",
     "CredentialsError",
     "InfeasibleError",

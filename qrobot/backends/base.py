@@ -16,7 +16,7 @@ from typing import Any, Literal, Protocol, runtime_checkable
 from qrobot._arrays import Floats
 from qrobot.problem.instance import Instance
 
-__all__ = ["Capabilities", "PlanReads", "Planner", "Routes", "Search", "Stop"]
+__all__ = ["Capabilities", "OnBest", "PlanReads", "Planner", "Routes", "Search", "Stop"]
 
 Routes = list[list[int]]
 """For each trip its nodes (item index + 1) in sequence."""

@@ -13,6 +13,8 @@ from qrobot.card.quoting import keyfile_ssid, keyfile_text, quoted
 from qrobot.card.seed import Seed, Wifi
 from qrobot.errors import InputError
 
+__all__ = ["NAMES", "files"]
+
 KEYFILE = "qrobot-wifi.nmconnection"
 NAMES = ("ssh", "userconf.txt", KEYFILE, "custom.toml")
 """All files that a seed may consist of."""

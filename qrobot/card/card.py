@@ -14,6 +14,8 @@ from qrobot.card import bookworm, trixie
 from qrobot.card.seed import Seed
 from qrobot.errors import InputError
 
+__all__ = ["RELEASES", "Written", "seed_files", "write_card"]
+
 RELEASES = {"trixie": trixie.files, "bookworm": bookworm.files}
 """Releases of Raspberry Pi OS, and who writes their files."""
 

@@ -6,6 +6,8 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
+__all__ = ["Value", "keyfile_ssid", "keyfile_text", "netplan_ssid", "quoted", "yaml_text"]
+
 Value = str | int | bool | Sequence["Value"] | Mapping[str, "Value"]
 """What `yaml_text` writes."""
 

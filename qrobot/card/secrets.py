@@ -14,6 +14,8 @@ import subprocess
 
 from qrobot.errors import BackendError, InputError
 
+__all__ = ["checked_passphrase", "password_hash", "public_keys", "wifi_key"]
+
 SHORTEST = 8
 """Characters that a password must have at least."""
 

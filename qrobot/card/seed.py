@@ -15,6 +15,8 @@ from typing import Literal
 from qrobot.card.secrets import checked_passphrase
 from qrobot.errors import InputError
 
+__all__ = ["Security", "Seed", "StaticAddress", "Wifi"]
+
 _ISO_3166 = (
     "AD AE AF AG AI AL AM AO AQ AR AS AT AU AW AX AZ BA BB BD BE BF BG BH BI BJ BL BM BN BO BQ BR "
     "BS BT BV BW BY BZ CA CC CD CF CG CH CI CK CL CM CN CO CR CU CV CW CX CY CZ DE DJ DK DM DO DZ "

@@ -13,6 +13,8 @@ import ipaddress
 from qrobot.card.quoting import Value, netplan_ssid, yaml_text
 from qrobot.card.seed import Seed, Wifi
 
+__all__ = ["NAMES", "files"]
+
 NAMES = ("user-data", "network-config", "meta-data")
 """All files that a seed consists of."""
 _HEAD = "# Written by: qrobot image seed\n"

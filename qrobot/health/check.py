@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from qrobot._extras import distribution_version, extras
 from qrobot._version import __version__
 
+__all__ = ["PROFILES", "Check", "difference", "first_profile"]
+
 PROFILES = ("base", "solver", "edge", "full")
 """What can be installed; each holds all of the one before."""
 

@@ -15,6 +15,8 @@ from qrobot._version import __version__
 from qrobot.jobs.credentials import SERVICES, presence
 from qrobot.jobs.store import default_path
 
+__all__ = ["EXTRAS", "inventory", "inventory_text", "packages_of"]
+
 EXTRAS = ("planners", "plot", "qiskit", "ibm", "pennylane", "braket", "docplex", "dwave")
 """The extras that backends need."""
 

@@ -13,6 +13,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = [
+    "COUPLINGS",
+    "FIELDS",
+    "QUBITS",
+    "SMALL_COUPLINGS",
+    "SMALL_FIELDS",
+    "all_spins",
+    "circuits_answer",
+    "circuits_expected",
+    "energies",
+    "energy_of",
+    "ground_answer",
+    "length",
+    "lowest",
+    "model",
+    "qaoa_energy",
+    "qaoa_probabilities",
+    "shortest",
+    "sum_of_chosen",
+]
+
 FIELDS: tuple[int, ...] = (1, -2, 3, -1, 2, -3, 1, -1)
 """Linear terms of the model that annealers minimize."""
 

@@ -19,6 +19,8 @@ from qrobot._text import columns
 from qrobot.health.check import Check, difference
 from qrobot.pages import render
 
+__all__ = ["VERDICT", "draw", "table", "verdict"]
+
 VERDICT = "application/vnd.qrobot.verdict+json"
 """The kind of output that holds a verdict's numbers for a program, as text (nan has no JSON)."""
 

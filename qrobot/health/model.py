@@ -7,6 +7,8 @@ from collections import Counter
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal
 
+__all__ = ["SCHEMA", "CheckResult", "Finding", "FindingStatus", "Report", "Status"]
+
 SCHEMA = "qrobot.health/1"
 """Name and version of the JSON; the number rises when a field changes its meaning or goes."""
 

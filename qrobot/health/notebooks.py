@@ -27,6 +27,8 @@ from qrobot.health.model import CheckResult, Status
 from qrobot.health.process import MARK, ROOT, Limits, environment, own_folder
 from qrobot.health.runner import result_of, run
 
+__all__ = ["TOOLS", "prepare", "run_notebooks"]
+
 FOLDERS = (ROOT / "qrobot" / "healthchecks", ROOT / "healthchecks")
 """Where the sources may be: in an installed wheel, in a checkout."""
 

@@ -27,6 +27,8 @@ from qrobot._processes import child_environment, end_family, python_command, res
 from qrobot.errors import InputError
 from qrobot.health.check import Check
 
+__all__ = ["MARK", "ROOT", "Limits", "Process", "environment", "own_folder"]
+
 ROOT = Path(__file__).resolve().parents[2]
 """The folder that holds qRobot."""
 

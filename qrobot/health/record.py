@@ -18,6 +18,8 @@ from qrobot.errors import InputError
 from qrobot.health.model import SCHEMA, CheckResult, Finding, Report
 from qrobot.health.system import Machine, board_model
 
+__all__ = ["Stopwatch", "make_report", "read_report", "schema_text"]
+
 LONGEST = 255
 """Letters of a host's name; the Domain Name System allows no more."""
 

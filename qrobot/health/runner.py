@@ -16,6 +16,8 @@ from qrobot.health.check import Check, difference
 from qrobot.health.model import CheckResult, Status
 from qrobot.health.process import Limits, Process, own_folder
 
+__all__ = ["result_of", "run", "run_all"]
+
 
 def run(check: Check, limits: Limits | None = None) -> CheckResult:
     """Run one check; whatever it does, the result says so and the caller lives on.

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from qrobot.errors import RemoteError
 from qrobot.jobs.job import Answer, Estimate, Keep, RemoteJob, State
 
+__all__ = ["CircuitJobs", "instant", "samples_of"]
+
 if TYPE_CHECKING:
     import dimod
     import numpy as np

@@ -15,6 +15,17 @@ from typing import Any
 from qrobot.errors import BackendError, InputError
 from qrobot.jobs.job import Estimate
 
+__all__ = [
+    "FREE",
+    "by_shots",
+    "by_time",
+    "check_budget",
+    "device_price",
+    "price",
+    "price_source",
+    "together",
+]
+
 FREE = Estimate(0.0, None, "local: it runs on this machine")
 """Of what nobody bills."""
 

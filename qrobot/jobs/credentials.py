@@ -16,6 +16,8 @@ from typing import Any
 
 from qrobot.errors import CredentialsError
 
+__all__ = ["SERVICES", "Presence", "presence", "require", "secrets_in_files"]
+
 _SECRET_KEYS = ("token", "secret", "password", "key", "headers", "proxy")
 
 

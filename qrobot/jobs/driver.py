@@ -14,6 +14,8 @@ from qrobot.jobs.retry import Kind, classify, with_retries
 from qrobot.jobs.samples import add_job, breakdown, empty
 from qrobot.jobs.store import JobStore
 
+__all__ = ["fetch_job", "refresh", "run_job"]
+
 if TYPE_CHECKING:
     import dimod
 

@@ -13,6 +13,21 @@ from qrobot._parameters import Parameter
 from qrobot.errors import InputError
 from qrobot.jobs.retry import Backoff
 
+__all__ = [
+    "ENDED",
+    "LIMITS",
+    "PARAMETERS",
+    "STATES",
+    "Answer",
+    "Estimate",
+    "JobOptions",
+    "Keep",
+    "RemoteJob",
+    "RemoteService",
+    "State",
+    "pack_model",
+]
+
 if TYPE_CHECKING:
     import dimod
 

@@ -15,6 +15,8 @@ import urllib.parse
 from collections.abc import Iterator
 from typing import Any
 
+__all__ = ["MASK", "SECRET_VARIABLE", "mask_logs", "redact", "redact_data", "register_secret"]
+
 MASK = "[redacted]"
 
 SHORTEST = 6

@@ -15,6 +15,8 @@ from typing import Literal, TypeVar
 from qrobot.errors import CredentialsError, QRobotError, RemoteError
 from qrobot.jobs.redaction import redact
 
+__all__ = ["Backoff", "Kind", "classify", "translate", "with_retries"]
+
 T = TypeVar("T")
 
 Kind = Literal["credentials", "refused", "lost", "busy", "final"]

@@ -14,6 +14,18 @@ from qrobot._text import columns
 from qrobot.jobs.job import RemoteJob
 from qrobot.jobs.redaction import redact, redact_data
 
+__all__ = [
+    "PARTS",
+    "add_job",
+    "breakdown",
+    "empty",
+    "jobs_table",
+    "json_data",
+    "samples_report",
+    "samples_text",
+    "timing_fields",
+]
+
 if TYPE_CHECKING:
     import dimod
 

@@ -23,6 +23,8 @@ from qrobot.errors import InputError
 from qrobot.jobs.job import ENDED, STATES, Estimate, RemoteJob
 from qrobot.jobs.redaction import redact, redact_data
 
+__all__ = ["JobStore", "default_path"]
+
 if TYPE_CHECKING:
     import dimod
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from qrobot._arrays import Floats, Ints
 
-__all__ = ["Convention", "Ising", "to_ising"]
+__all__ = ["Convention", "Ising", "ising_of", "to_ising"]
 
 Convention = Literal["annealer", "gate"]
 

@@ -14,7 +14,7 @@ from qrobot.errors import InputError
 from qrobot.models.fleet import Vehicles
 from qrobot.models.penalties import Encoding
 
-__all__ = ["MAX_VARIABLES", "VariableLayout", "layered"]
+__all__ = ["MAX_VARIABLES", "VariableLayout", "check_size", "layered"]
 
 
 MAX_VARIABLES = 5_000

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 
 from qrobot._text import shortened
 
+__all__ = ["Bar", "Script", "bars", "render", "script"]
+
 if TYPE_CHECKING:
     from jinja2 import Environment
 

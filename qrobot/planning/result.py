@@ -17,7 +17,7 @@ from qrobot.plan import OBJECTIVES, Plan
 from qrobot.plan.plan import TABLE_HEADS
 from qrobot.problem import Instance
 
-__all__ = ["Result", "SamplerReport", "Timing"]
+__all__ = ["Ending", "Result", "SamplerReport", "Timing"]
 
 Ending = Literal["proven", "deadline", "work", "interrupted", "finished"]
 

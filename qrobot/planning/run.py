@@ -19,7 +19,7 @@ from qrobot.plan.objective import DISTANCE, Objective, cost
 from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
 
-__all__ = ["Best", "Progress", "Record", "Run", "plan_fits"]
+__all__ = ["TIE", "Best", "Progress", "Record", "Run", "plan_fits"]
 
 
 TIE = 1e-11

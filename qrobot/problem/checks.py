@@ -17,6 +17,7 @@ __all__ = [
     "canonical",
     "check_coordinate",
     "check_count",
+    "check_direction",
     "check_index",
     "check_length",
     "check_reference",

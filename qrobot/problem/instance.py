@@ -28,7 +28,7 @@ from qrobot.problem.useful import insert_orders, outlying, useful_limit
 from qrobot.problem.validity import check_entities, check_stock, some
 from qrobot.problem.warehouse import Place, Warehouse
 
-__all__ = ["Instance"]
+__all__ = ["ELSEWHERE", "Instance"]
 
 MARKED = 10.0
 """Ways this many times longer than any useful one mark something; models take them for less."""

@@ -18,7 +18,16 @@ import numpy.typing as npt
 
 from qrobot.errors import InputError
 
-__all__ = ["MAX_UNITS", "NUMBER", "Quantity", "common_unit", "exact", "in_units", "number_advice"]
+__all__ = [
+    "MAX_UNITS",
+    "MAX_WEIGHT",
+    "NUMBER",
+    "Quantity",
+    "common_unit",
+    "exact",
+    "in_units",
+    "number_advice",
+]
 
 Quantity = float | int | str | Decimal | Fraction
 """What a weight or a capacity may be given as."""

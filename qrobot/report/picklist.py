@@ -23,7 +23,16 @@ from qrobot.report.timeline import Visit, timeline
 if TYPE_CHECKING:
     from qrobot.planning import Result
 
-__all__ = ["PICKLIST_SCHEMA", "Basket", "Pick", "PickList", "PickLists", "exact_text", "pick_lists"]
+__all__ = [
+    "PICKLIST_SCHEMA",
+    "Basket",
+    "Pick",
+    "PickList",
+    "PickLists",
+    "exact_text",
+    "location",
+    "pick_lists",
+]
 
 PICKLIST_SCHEMA = "qrobot.picklist/1"
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from qrobot._arrays import Floats
 from qrobot.warehouse.states import PLAIN, VERTICAL, Steps, transitions
 
-__all__ = ["Door", "Ends", "Flat", "Inside", "flatten", "sweep"]
+__all__ = ["Door", "Ends", "Flat", "Inside", "Numbers", "flatten", "sweep"]
 
 Numbers = npt.NDArray[np.int64]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from qrobot._arrays import Floats
 
-__all__ = ["SWEEPS", "Turns", "adam", "bfgs", "nelder_mead", "nft", "spsa"]
+__all__ = ["SWEEPS", "Slope", "Turns", "Value", "adam", "bfgs", "nelder_mead", "nft", "spsa"]
 
 
 Value = Callable[[Floats], float]

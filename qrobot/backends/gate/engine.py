@@ -34,6 +34,7 @@ __all__ = [
     "attempt",
     "check_size",
     "room",
+    "shift",
 ]
 
 

@@ -22,6 +22,7 @@ __all__ = [
     "RuntimeEngine",
     "Transpiled",
     "backend_of",
+    "check_fit",
     "is_simulated",
     "open_mode",
 ]

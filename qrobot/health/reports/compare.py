@@ -10,6 +10,8 @@ from qrobot._text import Table, count
 from qrobot.health.model import CheckResult, Report
 from qrobot.health.reports.summary import facts, when
 
+__all__ = ["RANK", "Change", "Comparison", "compare"]
+
 SLOWER, SECONDS = 1.5, 0.5
 """A time is shown when it changed by this factor and by so many seconds."""
 

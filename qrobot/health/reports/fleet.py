@@ -15,6 +15,8 @@ from qrobot._text import Table, count
 from qrobot.health.model import Report
 from qrobot.health.reports.summary import facts, totals_line, when
 
+__all__ = ["Column", "FleetHealth", "fleet"]
+
 SLOW, SECONDS = 2.0, 0.5
 """A check is named slow from this factor of the fleet's median, and so many seconds above it."""
 

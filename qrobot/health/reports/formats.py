@@ -33,6 +33,18 @@ from qrobot.health.reports.summary import (
 from qrobot.health.system.hardware import THROTTLED
 from qrobot.pages import Bar, render
 
+__all__ = [
+    "GAUGES",
+    "as_json",
+    "document",
+    "fleet_html",
+    "html",
+    "junit",
+    "metrics",
+    "save",
+    "write_prometheus",
+]
+
 if TYPE_CHECKING:
     from prometheus_client import CollectorRegistry, Gauge
 

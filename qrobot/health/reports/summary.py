@@ -7,6 +7,16 @@ from datetime import UTC, datetime
 from qrobot._text import Table, count
 from qrobot.health.model import CheckResult, Finding, Report
 
+__all__ = [
+    "attention",
+    "checks_table",
+    "facts",
+    "machine_line",
+    "system_table",
+    "totals_line",
+    "when",
+]
+
 
 def checks_table(report: Report) -> Table:
     """Return one row a check."""

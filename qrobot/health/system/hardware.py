@@ -13,6 +13,8 @@ from qrobot._machine import read_cpuinfo
 from qrobot.health.model import Finding
 from qrobot.health.system.machine import Machine
 
+__all__ = ["HOT", "THROTTLED", "board", "board_model", "processor"]
+
 HOT = 80.0
 """Degrees Celsius from which a Raspberry Pi 4 slows its cores."""
 

@@ -14,6 +14,8 @@ from pathlib import Path
 
 from qrobot._machine import read_system_file, usable_cores
 
+__all__ = ["Machine"]
+
 AT_HWCAP = 16
 """From linux/auxvec.h."""
 

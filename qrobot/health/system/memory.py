@@ -14,6 +14,8 @@ from qrobot._machine import container_memory
 from qrobot.health.model import Finding
 from qrobot.health.system.machine import Machine
 
+__all__ = ["memory"]
+
 SMALL, TIGHT = 1800, 300
 """MiB of memory in all, and available, below which there is a warning."""
 

@@ -25,6 +25,8 @@ from qrobot._extras import is_installed
 from qrobot._processes import child_environment, python_command
 from qrobot.health.model import Finding
 
+__all__ = ["SERVICES", "network_findings", "reach"]
+
 
 def _braket() -> str:
     session: Any = importlib.import_module("botocore.session").Session()

@@ -13,6 +13,8 @@ from functools import partial
 from qrobot.health.model import Finding
 from qrobot.health.system.machine import Machine
 
+__all__ = ["clock", "software", "synchronised"]
+
 FIRST, LAST = (3, 11), (3, 13)
 """Versions of Python that qRobot is tested on."""
 

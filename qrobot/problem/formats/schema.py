@@ -29,7 +29,17 @@ from qrobot.problem.formats.fields import (
     refuse,
 )
 
-__all__ = ["SCHEMA", "Document", "json_schema"]
+__all__ = [
+    "SCHEMA",
+    "AislesModel",
+    "Document",
+    "FleetModel",
+    "FloorModel",
+    "NodeModel",
+    "PointModel",
+    "SlotModel",
+    "json_schema",
+]
 
 SCHEMA = "qrobot.instance/1"
 

@@ -21,7 +21,7 @@ from qrobot.backends.classical.exact.packing import pack
 from qrobot.backends.classical.orders import Batch, Orders, Trips, orders_of, tie_of
 from qrobot.problem import AisleWarehouse, Instance
 
-__all__ = ["search_aisles"]
+__all__ = ["first_fit", "search_aisles"]
 
 MOVES = 2_000
 """Moves between two looks at the clock: a few milliseconds, and one unit of work."""
