@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,7 +16,8 @@ from qrobot.report.floorplan import Way, floor_plan
 from qrobot.report.lanes import XY
 from qrobot.report.picklist import exact_text, location
 from qrobot.report.scene import Journey, Scene
-from qrobot.report.timeline import Visit, timeline
+from qrobot.report.schedules import schedule_of
+from qrobot.report.timeline import Visit
 
 __all__ = ["animation_page"]
 
@@ -46,33 +46,27 @@ def animation_page(scene: Scene) -> str:
     speed, and stays as long at each stop as the pick takes. The page needs nothing but itself.
     """
     plan = floor_plan(scene, scene.journeys, DRAWING)
-    fleet = {robot.id: robot for robot in scene.instance.robots}
-    node = {item.id: i + 1 for i, item in enumerate(scene.instance.items)}
-    trips: dict[str, list[dict[str, object]]] = defaultdict(list)
-    clocks: dict[str, float] = defaultdict(float)
-    capacities: dict[str, str] = {}
-    robots: dict[str, Moving] = {}
-    for number, (journey, way) in enumerate(zip(scene.journeys, plan.ways, strict=True)):
-        robot = fleet[journey.trip.robot]
-        visits = timeline(scene.instance, robot, [node[item.id] for item in journey.items])
-        begin = clocks[robot.id]
-        trips[robot.id].append(_trip(scene, journey, way, visits, begin) | {"way": number})
-        clocks[robot.id] = begin + visits[-1].leaves
-        capacities[robot.id] = exact_text(journey.capacity)
-        colour = journey.colour
-        robots.setdefault(
-            robot.id,
-            Moving(shown(robot.id), colour.fill, colour.edge, colour.text, plan.depot),
-        )
-    picks = {
-        name: sum(len(j.items) for j in scene.journeys if j.trip.robot == name) for name in robots
-    }
-    end = max(clocks.values(), default=0.0)
+    days = [day for day in schedule_of(scene).robots if day.trips]
+    robots = [
+        Moving(shown(day.robot), colour.fill, colour.edge, colour.text, plan.depot)
+        for day in days
+        for colour in (day.trips[0].journey.colour,)
+    ]
+    end = max((day.ends for day in days), default=0.0)
     data = {
         "end": round(end, 3),
         "robots": [
-            {"capacity": capacities[name], "picks": picks[name], "trips": trips[name]}
-            for name in robots
+            {
+                "capacity": exact_text(day.trips[0].journey.capacity),
+                "picks": sum(len(trip.journey.items) for trip in day.trips),
+                "trips": [
+                    _trip(scene, trip.journey, plan.ways[number], trip.visits, trip.begins)
+                    | {"way": number}
+                    for trip in day.trips
+                    for number in (trip.journey.number - 1,)
+                ],
+            }
+            for day in days
         ],
     }
     return render(
@@ -80,7 +74,7 @@ def animation_page(scene: Scene) -> str:
         title=scene.title,
         subtitle=scene.subtitle,
         map=plan,
-        robots=list(robots.values()),
+        robots=robots,
         end=data["end"],
         speeds=SPEEDS,
         speed=next((speed for speed in SPEEDS if end / speed <= WATCHED), SPEEDS[-1]),

@@ -14,10 +14,10 @@ from qrobot._json import json_text
 from qrobot._numbers import number
 from qrobot._text import columns, count, printable
 from qrobot.errors import InputError
-from qrobot.plan import Plan, check, plan_of
+from qrobot.plan import Plan, plan_of
 from qrobot.problem import Instance, Item, Node, Place, Point, Slot
 from qrobot.problem.checks import canonical
-from qrobot.report.scene import Journey, Scene, scene_of
+from qrobot.report.scene import Journey, Scene, checked_scene
 from qrobot.report.timeline import Visit, timeline
 
 if TYPE_CHECKING:
@@ -249,13 +249,7 @@ def pick_lists(
     >>> [(pick.article, pick.basket, float(pick.load)) for pick in lists.lists[0].picks]
     [('6', 1, 4.0), ('7', 2, 6.0), ('1', 3, 14.0)]
     """
-    scene, plan = scene_of(answer, instance), plan_of(answer)
-    report = check(plan, scene.instance)
-    if not report.ok:
-        raise InputError(
-            f"the plan is not right for this instance: {report.problems[0]}",
-            advice="`qrobot check` lists all that is wrong",
-        )
+    scene, plan = checked_scene(answer, instance), plan_of(answer)
     fleet = {robot.id: robot for robot in scene.instance.robots}
     wanted = tuple(map(canonical, robots)) or tuple(fleet)
     for name in wanted:

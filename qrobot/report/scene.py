@@ -14,7 +14,7 @@ from qrobot._files import StrPath
 from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
-from qrobot.plan import OBJECTIVES, Plan, Trip, as_picked, plan_of
+from qrobot.plan import OBJECTIVES, Plan, Trip, as_picked, check, plan_of
 from qrobot.problem import AisleWarehouse, Instance, Item, Place, Slot, Warehouse
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
@@ -24,7 +24,7 @@ from qrobot.warehouse import POLICIES, route
 if TYPE_CHECKING:
     from qrobot.planning import Result
 
-__all__ = ["Journey", "Scene", "number", "scene_of"]
+__all__ = ["Journey", "Scene", "checked_scene", "number", "scene_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,6 +179,26 @@ def _leg(house: Warehouse, start: Place | None, end: Place | None) -> tuple[XY, 
         if end is None and points[-2][0] != x:
             points.insert(-1, (points[-2][0], y))
     return tuple(a for a, b in pairwise([*points, None]) if a is not None and a != b)
+
+
+def checked_scene(
+    answer: Result | Plan | StrPath, instance: Instance | StrPath | None = None
+) -> Scene:
+    """Look a plan up in its instance, and refuse a wrong one.
+
+    Raises
+    ------
+    InputError
+        When the plan is not right for the instance, as `qrobot.check` says.
+    """
+    scene = scene_of(answer, instance)
+    report = check(plan_of(answer), scene.instance)
+    if not report.ok:
+        raise InputError(
+            f"the plan is not right for this instance: {report.problems[0]}",
+            advice="`qrobot check` lists all that is wrong",
+        )
+    return scene
 
 
 _ADVICE = "give the instance that the plan was made for"

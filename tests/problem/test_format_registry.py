@@ -71,7 +71,7 @@ def test_the_help_names_the_formats_that_there_are(monkeypatch: pytest.MonkeyPat
     assert ".vrp (CVRPLIB and QOBLIB)" in helps["solve"]
     assert ".xyz (of house:FORMAT)" in helps["solve"]
     assert "(.json, .csv, .vrp, .txt, .ord, .xyz)" in helps["bench"]
-    readers = ("solve", "next", "check", "picklist")
+    readers = ("solve", "next", "check", "picklist", "schedule")
     assert all("robots of .csv, .ord orders" in helps[name] for name in readers)
     places = r"\{(formats|suffixes|layout|ignore_columns|rounding)\}"
     assert not any(re.search(places, text) for text in helps.values())

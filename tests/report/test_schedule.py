@@ -1,0 +1,138 @@
+"""When robots are where, against a walk with a watch, and the picture of it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
+
+import jsonschema
+import pytest
+from hypothesis import given, settings
+from report.test_picklist import planned, questions
+
+import qrobot
+from qrobot.plan import Plan
+from qrobot.problem import Item, OpenFloor, Order, Point, Robot
+from qrobot.report import draw_schedule, schedule
+
+SCHEMA = json.loads((Path(qrobot.__file__).parent / "report" / "schedule.schema.json").read_text())
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+
+
+def on_a_line(*robots: Robot) -> tuple[qrobot.Instance, Plan]:
+    """Return four items at 1, 2, 3 and 4 m, an order each, and a trip for each."""
+    items = tuple(Item(f"i{k}", 1, Point(k, 0), pick_seconds=10.0 * k) for k in range(1, 5))
+    orders = tuple(Order(item.id, (item.id,)) for item in items)
+    instance = qrobot.Instance(OpenFloor(), items, orders, robots)
+    return instance, Plan.from_routes(instance, [[1], [2], [3], [4]])
+
+
+def test_times_are_those_of_a_walk_with_a_watch() -> None:
+    found = schedule(*on_a_line(Robot("A", 1, 1.0, 3), Robot("B", 1, 0.5, 3))[::-1])
+    # There and back and the picks: 12, 24, 36, 48 s with A, 14, 28, 42, 56 s with B. The longest
+    # first, each to whom it brings back first: 48 to A, 42 to B, 24 to B (66, A: 72), 12 to A.
+    times = {
+        day.robot: [(trip.journey.items[0].id, trip.begins, trip.ends) for trip in day.trips]
+        for day in found.robots
+    }
+    assert times == {
+        "A": [("i4", 0, 48), ("i1", 48, 60)],
+        "B": [("i3", 0, 42), ("i2", 42, 70)],
+    }
+    assert found.ends == 70
+    assert [(day.driving, day.collecting) for day in found.robots] == [(10, 50), (20, 50)]
+    stop = found.to_dict()["robots"][1]["trips"][1]["stops"][0]
+    assert (stop["item"], stop["arrives"], stop["leaves"]) == ("i2", 46, 66)
+
+
+@settings(max_examples=50, deadline=None)
+@given(questions())
+def test_every_trip_follows_the_one_before_and_together_they_take_the_time(
+    instance: qrobot.Instance,
+) -> None:
+    instance = replace(instance, robots=instance.robots[:2])
+    instance = replace(instance, robots=tuple(replace(r, trips=20) for r in instance.robots))
+    plan = planned(instance)
+    free = instance.with_robots(None)
+    data = json.loads(schedule(plan, free).to_json())
+    VALIDATOR.validate(data)
+    assert sum(day["ends"] for day in data["robots"]) == pytest.approx(plan.cost)
+    assert max(day["ends"] for day in data["robots"]) == data["ends"]
+    taken = []
+    for day in data["robots"]:
+        clock = 0.0
+        for trip in day["trips"]:
+            assert trip["begins"] == clock
+            for stop in trip["stops"]:
+                assert clock <= stop["arrives"] <= stop["leaves"]
+                clock = stop["leaves"]
+                taken.append(stop["item"])
+            assert clock <= trip["ends"]
+            clock = trip["ends"]
+        assert clock == day["ends"] == pytest.approx(day["driving"] + day["collecting"])
+    assert sorted(taken) == sorted(item.id for item in instance.items)
+
+
+def test_the_lines_of_the_file_are_those_of_the_data() -> None:
+    instance, plan = on_a_line(Robot("A", 1, 1.0, 3), Robot("=B", 1, 0.5, 3))
+    found = schedule(plan, instance)
+    rows = list(csv.DictReader(io.StringIO(found.to_csv())))
+    stops = [
+        (day["robot"], stop["item"], stop["leaves"])
+        for day in found.to_dict()["robots"]
+        for trip in day["trips"]
+        for stop in trip["stops"]
+    ]
+    assert [
+        (row["robot"].lstrip("'"), row["item"], float(row["leaves"])) for row in rows if row["item"]
+    ] == stops
+    assert [row["location"] for row in rows if not row["item"]] == ["depot"] * 4
+    assert {row["robot"] for row in rows} == {"A", "'=B"}  # never a formula
+
+
+def test_the_table_says_who_stays_home_and_who_is_last() -> None:
+    lines = schedule(*on_a_line(Robot("A", 1, 1.0, 9), Robot("B", 1, 0.001, 9))[::-1]).to_text()
+    assert "without a trip: B" in lines
+    assert "all robots are back after 120 s, A last; together they work 120 s" in lines
+
+
+def test_a_bar_a_trip_as_long_as_the_trip(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    instance, plan = on_a_line(Robot("A", 1, 1.0, 3), Robot("B", 1, 0.5, 3))
+    found = schedule(plan, instance)
+    draw_schedule(found, tmp_path / "bars.svg")
+    root = ET.parse(tmp_path / "bars.svg").getroot()
+    widths = {}
+    for node in root.iter():
+        if found_id := re.fullmatch(r"trip-(\d+)", node.get("id") or ""):
+            path = next(iter(node)).get("d") or ""
+            xs = [float(x) for x in re.findall(r"[ML] ([\d.]+) ", path)]
+            widths[int(found_id[1])] = max(xs) - min(xs)
+    long = {t.journey.number: t.ends - t.begins for day in found.robots for t in day.trips}
+    assert widths.keys() == long.keys()
+    scale = widths[1] / long[1]
+    assert all(widths[n] == pytest.approx(scale * seconds, rel=1e-4) for n, seconds in long.items())
+
+
+def test_a_plan_that_is_wrong_has_no_schedule() -> None:
+    instance, plan = on_a_line(Robot("A", 1, 1.0, 9))
+    with pytest.raises(qrobot.InputError, match=r"not right .*`qrobot check` lists all"):
+        schedule(replace(plan, trips=plan.trips[:-1]), instance)
+
+
+def test_the_schema_describes_all_that_is_written() -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    data = schedule(*on_a_line(Robot("A", 1, 1.0, 9))[::-1]).to_dict()
+    parts = SCHEMA["$defs"]
+    assert set(data) == set(SCHEMA["properties"])
+    day = data["robots"][0]
+    assert set(day) == set(parts["robot"]["properties"])
+    assert set(day["trips"][0]) == set(parts["trip"]["properties"])
+    assert set(day["trips"][0]["stops"][0]) == set(parts["stop"]["properties"])
+    del day["trips"][0]["stops"][0]["leaves"]
+    assert not VALIDATOR.is_valid(data)
