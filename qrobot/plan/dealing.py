@@ -18,6 +18,7 @@ def deal(instance: Instance, routes: Sequence[Sequence[int]]) -> list[tuple[int,
 
     The trip that takes longest is dealt first, each to the robot that is back from it first
     (Graham 1969, longest processing time), as long as the heavier ones that are left find room.
+    Where the robots cannot carry the trips, loads are not looked at.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ def deal(instance: Instance, routes: Sequence[Sequence[int]]) -> list[tuple[int,
     Raises
     ------
     ValueError
-        When the robots cannot carry the routes.
+        When there are more routes than turns of robots.
     """
     if not routes:
         return []
@@ -39,6 +40,11 @@ def deal(instance: Instance, routes: Sequence[Sequence[int]]) -> list[tuple[int,
     speeds = np.array([robot.speed for robot in instance.robots])
     seconds = lengths[:, None] / speeds + np.array(picks)[:, None]
     left = _Left(instance, loads)
+    if not left.fits:  # a wrong plan, which the checker refuses: any robot takes any trip
+        loads = np.zeros_like(loads)
+        left = _Left(instance, loads)
+    if not left.fits:
+        raise ValueError(f"{len(routes)} trips for {left.turns.sum()} turns of the robots")
     back = np.zeros(len(instance.robots))
     turns = [0] * len(instance.robots)
     chosen = [(0, 0)] * len(routes)
@@ -66,12 +72,9 @@ class _Left:
         self.levels = np.unique(self.rooms)
         # Of each level the trips that want at least that much room, and the turns that give it.
         wanted = np.searchsorted(self.levels, loads)
-        if (wanted == len(self.levels)).any():
-            raise ValueError("a trip is heavier than the largest robot carries")
         self.trips = np.array([(wanted >= k).sum() for k in range(len(self.levels))])
         self.seats = np.array([self.turns[self.rooms >= room].sum() for room in self.levels])
-        if (self.trips > self.seats).any():
-            raise ValueError(f"{len(loads)} trips do not fit the robots")
+        self.fits = bool((wanted < len(self.levels)).all() and (self.trips <= self.seats).all())
 
     def robots_for(self, load: int) -> list[int]:
         """Return the robots that may take a trip of a load without leaving a heavier one behind."""
