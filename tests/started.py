@@ -11,14 +11,19 @@ import array
 import atexit
 import contextlib
 import gc
+import importlib
+import io
 import json
 import os
 import select
+import selectors
 import shutil
 import socket
 import subprocess
 import sys
 import tempfile
+import threading
+import traceback
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
@@ -45,8 +50,6 @@ def serve(number: int, door: int) -> None:
     Messages come from the parent over a socket, and from other processes over another (`door`)
     that listens.
     """
-    import importlib
-
     for name in IMPORTS:
         importlib.import_module(name)
     gc.freeze()  # a collection would touch, so copy, all of it
@@ -101,21 +104,17 @@ def _become(asked: dict[str, Any], streams: dict[str, int]) -> None:
     os.environ.update(asked["environment"])
     sys.argv = ["qrobot", *asked["words"]]
     for number, name in enumerate(STREAMS):
-        stream = None
-        if name in streams:
-            mode, errors = ("r", "strict") if number == 0 else ("w", "strict")
-            if name == "stderr":
-                errors = "backslashreplace"
-            line = name == "stderr" or os.isatty(number)
-            binary = open(number, f"{mode}b", closefd=False)  # noqa: SIM115
-            stream = _text(binary, errors, line)
+        stream = _stream(number, name) if name in streams else None
         setattr(sys, name, stream)
         setattr(sys, f"__{name}__", stream)
 
 
-def _text(binary: Any, errors: str, line: bool) -> Any:
-    import io
-
+def _stream(number: int, name: str) -> io.TextIOWrapper:
+    """Return a descriptor as the text stream that Python makes of it."""
+    raw = io.FileIO(number, "r" if name == "stdin" else "w", closefd=False)
+    binary = io.BufferedReader(raw) if name == "stdin" else io.BufferedWriter(raw)
+    errors = "backslashreplace" if name == "stderr" else "strict"
+    line = name == "stderr" or os.isatty(number)
     return io.TextIOWrapper(binary, "utf-8", errors, line_buffering=line)
 
 
@@ -138,13 +137,18 @@ class Started:
     def __init__(self, reply: socket.socket) -> None:
         self._reply = reply.makefile("r")
         reply.close()
-        self.pid = int(self._reply.readline())
+        self.pid = self._number()
 
     def wait(self) -> int:
         """Return its exit code, or minus the signal that ended it, when it has ended."""
-        code = int(self._reply.readline())
+        code = self._number()
         self._reply.close()
         return code
+
+    def _number(self) -> int:
+        line = self._reply.readline()
+        assert line, "the process that forks has ended; what it said stands on the standard error"
+        return int(line)
 
 
 def start(
@@ -244,8 +248,6 @@ def run(
 
 def _read(pipes: dict[str, int]) -> dict[str, str]:
     """Return all that comes out of pipes, read side by side."""
-    import selectors
-
     said: dict[str, bytes] = dict.fromkeys(pipes, b"")
     with selectors.DefaultSelector() as waiting:
         for name, number in pipes.items():
@@ -302,8 +304,6 @@ def main() -> NoReturn:
 
     Only the modules are not taken apart: that would copy all memory that the fork shares.
     """
-    import threading
-
     from qrobot.cli.main import main as command
 
     try:
@@ -312,10 +312,12 @@ def main() -> NoReturn:
     except SystemExit as done:
         code = done.code if isinstance(done.code, int) else 0
     except BaseException:
-        sys.excepthook(*sys.exc_info())  # type: ignore[arg-type]
+        traceback.print_exc()
         code = 1
-    threading._shutdown()  # type: ignore[attr-defined]
-    atexit._run_exitfuncs()
+    for thread in threading.enumerate():
+        if thread is not threading.main_thread() and not thread.daemon:
+            thread.join()
+    atexit._run_exitfuncs()  # nothing public runs them without the end of the interpreter
     for stream in (sys.stdout, sys.stderr):
         try:
             if stream is not None:

@@ -53,8 +53,8 @@ def command(
     found = schedule(read_plan(plan), question.read())
     if output is not None:
         write_text_atomic(output, found.to_csv() if form == "csv" else found.to_json())
-    if picture is not None:
-        draw_schedule(found, picture)
+    for note in draw_schedule(found, picture) if picture is not None else ():
+        say(f"qrobot: note: {note}", err=True)
     if as_json:
         say_json(found.to_dict())
         return

@@ -51,7 +51,8 @@ def deal(instance: Instance, routes: Sequence[Sequence[int]]) -> list[tuple[int,
     # Equal times are told apart by the stops, so that the sequence of the routes does not matter.
     for i in sorted(range(len(routes)), key=lambda i: (-seconds[i].max(), routes[i])):
         able = left.robots_for(int(loads[i]))
-        robot = min(able, key=lambda r: (round(back[r] + seconds[i, r], 9), r))
+        # Sums that differ by rounding are equal, and the first of the robots takes the trip.
+        robot = int(able[np.round(back[able] + seconds[i, able], 9).argmin()])
         left.take(int(loads[i]), robot)
         chosen[i] = robot, turns[robot]
         turns[robot] += 1
@@ -67,30 +68,26 @@ class _Left:
     """
 
     def __init__(self, instance: Instance, loads: npt.NDArray[np.int64]) -> None:
-        self.rooms = instance.capacities
         self.turns = np.array([min(robot.trips, len(loads)) for robot in instance.robots])
-        self.levels = np.unique(self.rooms)
+        self.levels, self.level = np.unique(instance.capacities, return_inverse=True)
         # Of each level the trips that want at least that much room, and the turns that give it.
         wanted = np.searchsorted(self.levels, loads)
         self.trips = np.array([(wanted >= k).sum() for k in range(len(self.levels))])
-        self.seats = np.array([self.turns[self.rooms >= room].sum() for room in self.levels])
+        self.seats = np.array([self.turns[self.level >= k].sum() for k in range(len(self.levels))])
         self.fits = bool((wanted < len(self.levels)).all() and (self.trips <= self.seats).all())
 
-    def robots_for(self, load: int) -> list[int]:
-        """Return the robots that may take a trip of a load without leaving a heavier one behind."""
+    def robots_for(self, load: int) -> npt.NDArray[np.intp]:
+        """Return the robots that may take a trip of a load without leaving a heavier one behind.
+
+        Of the levels above the trip's own that such a robot serves, each has a turn to spare.
+        """
         wanted = int(np.searchsorted(self.levels, load))
-        spare = self.seats > self.trips
-        return [
-            r
-            for r, room in enumerate(self.rooms.tolist())
-            # Of the levels above its own that the robot serves, each has a turn to spare.
-            if self.turns[r]
-            and room >= load
-            and bool(spare[wanted + 1 : int(np.searchsorted(self.levels, room)) + 1].all())
-        ]
+        scarce = np.flatnonzero(self.seats[wanted + 1 :] <= self.trips[wanted + 1 :])
+        end = wanted + 1 + int(scarce[0]) if len(scarce) else len(self.levels)
+        return np.flatnonzero((self.turns > 0) & (wanted <= self.level) & (self.level < end))
 
     def take(self, load: int, robot: int) -> None:
         """Deal a trip of a load to a robot."""
         self.turns[robot] -= 1
         self.trips[: int(np.searchsorted(self.levels, load)) + 1] -= 1
-        self.seats[: int(np.searchsorted(self.levels, self.rooms[robot])) + 1] -= 1
+        self.seats[: self.level[robot] + 1] -= 1

@@ -22,6 +22,7 @@ from qrobot.planning.run import Run
 from qrobot.planning.sampling import build, use_reads
 from qrobot.planning.solving import check_objective, result_of, strategy_of
 from qrobot.planning.strategy import DEFAULT_DEADLINE, Strategy, check_arguments
+from qrobot.planning.tours import shorten_tours
 from qrobot.problem import Instance
 from qrobot.problem.formats import instance_of
 from qrobot.problem.formats.native import parse_native
@@ -152,6 +153,7 @@ def collect(job: str, store: JobStore) -> Result:
     run = Run(instance, Stop(DEFAULT_DEADLINE), seed, objective=aim)
     run.begin(kept.backend)
     use_reads(run, kept.backend, model, samples)
+    shorten_tours(run)
     bound_from_below(run)
     return result_of(run, kept.backend)
 

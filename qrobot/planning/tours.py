@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 from qrobot.backends import Stop
 from qrobot.planning.run import TIE, Run
-from qrobot.problem import AisleWarehouse, Slot
+from qrobot.problem import AisleWarehouse
 from qrobot.warehouse import MAX_CROSS_AISLES
 from qrobot.warehouse.routing import Router
 
 __all__ = ["shorten_tours"]
 
-GRACE = 0.2
-"""Seconds that it gets when no time is left."""
+SHARE, GRACE = 0.2, 0.2
+"""Of the time that is left, for the bound too; seconds that it gets when none is left."""
 
 
 def shorten_tours(run: Run) -> None:
     """Walk the trips of the best plan by shortest tours, where the layout has an exact method.
 
     Searches over distances and samplers leave trips behind that go a longer way past the same
-    places. Trips that a policy walks, or along one-way aisles, stay as they are.
+    places. Trips that a policy walks, or along one-way aisles, stay as they are; so do the shorter
+    trips when time is over.
     """
     instance, routes = run.instance, run.best.routes
     warehouse = instance.warehouse
@@ -31,8 +34,9 @@ def shorten_tours(run: Run) -> None:
         or warehouse.blocks >= MAX_CROSS_AISLES
     ):
         return
-    stop = Stop(max(run.stop.remaining, GRACE))
-    router = Router(warehouse, compiled=False)
+    left = run.stop.remaining
+    stop = run.stop.within(SHARE * left if math.isfinite(left) else None) if left else Stop(GRACE)
+    router = Router(warehouse)
     shortened = [list(route) for route in routes]
     gained = False
     with run.timed("run"):
@@ -40,11 +44,9 @@ def shorten_tours(run: Run) -> None:
         for k in sorted(range(len(routes)), key=lambda k: -instance.route_length(routes[k])):
             if stop():
                 break
-            slots = [p for v in routes[k] if isinstance(p := instance.items[v - 1].place, Slot)]
-            tour = router.tour(slots)
-            if tour.length < instance.route_length(routes[k]) * (1.0 - TIE):
-                shortened[k] = [routes[k][at] for at in tour.sequence]
-                gained = True
+            length, route = router.route(instance, routes[k])
+            if length < instance.route_length(routes[k]) * (1.0 - TIE):
+                shortened[k], gained = route, True
     if gained:
         run.begin("tours")
         run.best.offer(shortened)

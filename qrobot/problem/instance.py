@@ -136,8 +136,13 @@ class Instance:
     @cached_property
     def place_of_node(self) -> npt.NDArray[np.intp]:
         """For each node its row in `place_distances`, shape (n + 1,)."""
-        row = {place: i + 1 for i, place in enumerate(self.places)}
-        return np.array([0, *(row[item.place] for item in self.items)], dtype=np.intp)
+        rows = self.row_of_place
+        return np.array([0, *(rows[item.place] for item in self.items)], dtype=np.intp)
+
+    @cached_property
+    def row_of_place(self) -> dict[Place, int]:
+        """For each place its row in `place_distances`; the depot's is 0."""
+        return {place: i + 1 for i, place in enumerate(self.places)}
 
     @cached_property
     def place_distances(self) -> npt.NDArray[np.float64]:

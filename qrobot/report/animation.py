@@ -46,27 +46,27 @@ def animation_page(scene: Scene) -> str:
     speed, and stays as long at each stop as the pick takes. The page needs nothing but itself.
     """
     plan = floor_plan(scene, scene.journeys, DRAWING)
-    days = [day for day in schedule_of(scene).robots if day.trips]
+    moving = [own for own in schedule_of(scene).robots if own.trips]
     robots = [
-        Moving(shown(day.robot), colour.fill, colour.edge, colour.text, plan.depot)
-        for day in days
-        for colour in (day.trips[0].journey.colour,)
+        Moving(shown(own.robot), colour.fill, colour.edge, colour.text, plan.depot)
+        for own in moving
+        for colour in (own.trips[0].journey.colour,)
     ]
-    end = max((day.ends for day in days), default=0.0)
+    end = max((own.ends for own in moving), default=0.0)
     data = {
         "end": round(end, 3),
         "robots": [
             {
-                "capacity": exact_text(day.trips[0].journey.capacity),
-                "picks": sum(len(trip.journey.items) for trip in day.trips),
+                "capacity": exact_text(own.trips[0].journey.capacity),
+                "picks": sum(len(trip.journey.items) for trip in own.trips),
                 "trips": [
                     _trip(scene, trip.journey, plan.ways[number], trip.visits, trip.begins)
                     | {"way": number}
-                    for trip in day.trips
+                    for trip in own.trips
                     for number in (trip.journey.number - 1,)
                 ],
             }
-            for day in days
+            for own in moving
         ],
     }
     return render(

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from qrobot._files import StrPath
 from qrobot._numbers import number
 from qrobot._text import shown
+from qrobot.report.fonts import font_notes
 from qrobot.report.palette import GREY, INK
 from qrobot.report.picture import check_picture_path, save, style
 
 if TYPE_CHECKING:
-    from qrobot.report.schedules import Schedule
+    from qrobot.report.schedules import RobotSchedule, Schedule
 
 __all__ = ["draw_schedule"]
 
@@ -19,16 +21,25 @@ WIDTH, ROW, REST = 9.0, 0.42, 1.3
 """Inches: of the sheet, of a row, of all above and below."""
 
 TALLEST = 60.0
-"""Inches; rows become lower beyond."""
+"""Inches that all rows take at most: more become lower, and their texts smaller."""
+
+TEXT = 8.0
+"""Points of the numbers on the bars."""
 
 WIDE = 0.035
 """Share of the time from which a trip's number fits into its bar."""
 
 
-def draw_schedule(schedule: Schedule, path: StrPath) -> None:
+def draw_schedule(schedule: Schedule, path: StrPath) -> tuple[str, ...]:
     """Draw the schedule and write it as SVG or PNG, as the file's suffix says.
 
-    Bars are trips, their dark parts the stops at which the robot collects.
+    Bars are trips, their dark parts the stops at which the robot collects. Robots without a trip
+    are left out.
+
+    Returns
+    -------
+    tuple of str
+        What a person should know of the picture, a sentence each.
 
     Raises
     ------
@@ -37,21 +48,25 @@ def draw_schedule(schedule: Schedule, path: StrPath) -> None:
     InputError
         When the suffix is another one, or the file cannot be written.
     """
-    check_picture_path(path)
+    kind = check_picture_path(path)
+    busy = [own for own in schedule.robots if own.trips]
     title = f"{shown(schedule.scene.instance.name, 60)}: all back after {number(schedule.ends)} s"
-    names = [shown(day.robot, 20) for day in schedule.robots]
-    with style([title, *names]):
-        save(_figure(schedule, title, names), path)
+    texts = [title, *(shown(own.robot, 20) for own in busy)]
+    with style(texts) as missing:
+        save(_figure(busy, schedule.ends, *texts), path)
+        # In an SVG text stays text, and who looks at it has fonts of their own.
+        return tuple(font_notes(missing, texts)) if kind == "png" else ()
 
 
-def _figure(schedule: Schedule, title: str, names: list[str]) -> Any:
+def _figure(busy: Sequence[RobotSchedule], ends: float, title: str, *names: str) -> Any:
     from matplotlib.figure import Figure
 
-    height = min(REST + ROW * max(len(names), 1), TALLEST)
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    row_height = min(ROW, TALLEST / max(len(busy), 1))
+    figure = Figure(figsize=(WIDTH, REST + row_height * len(busy)), layout="constrained")
     axes = figure.subplots()
-    for row, day in enumerate(schedule.robots):
-        for trip in day.trips:
+    small = TEXT * row_height / ROW
+    for row, own in enumerate(busy):
+        for trip in own.trips:
             colour = trip.journey.colour
             long = trip.ends - trip.begins
             axes.barh(
@@ -64,14 +79,14 @@ def _figure(schedule: Schedule, title: str, names: list[str]) -> Any:
                 if visit.leaves > visit.arrives
             ]
             axes.broken_barh(stops, (row - 0.36, 0.14), color=colour.edge)
-            if long > WIDE * schedule.ends:
+            if long > WIDE * ends:
                 axes.text(
                     trip.begins + long / 2, row, trip.journey.tag, color=colour.text,
-                    ha="center", va="center", fontsize=8,
+                    ha="center", va="center", fontsize=small,
                 )  # fmt: skip
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(len(names) - 0.4, -0.6)
-    axes.set_xlim(0.0, max(schedule.ends, 1.0))
+    axes.set_yticks(range(len(busy)), names, fontsize=small + 1.0)
+    axes.set_ylim(len(busy) - 0.4, -0.6)
+    axes.set_xlim(0.0, ends or 1.0)
     axes.set_xlabel("seconds")
     axes.set_title(title, loc="left", fontsize=11, color=INK)
     axes.tick_params(colors=INK)

@@ -14,11 +14,11 @@ from qrobot._json import json_text
 from qrobot._numbers import number
 from qrobot._text import columns, count, printable
 from qrobot.errors import InputError
-from qrobot.plan import Plan, plan_of
+from qrobot.plan import Plan
 from qrobot.problem import Instance, Item, Node, Place, Point, Slot
 from qrobot.problem.checks import canonical
 from qrobot.report.scene import Journey, Scene, checked_scene
-from qrobot.report.timeline import Visit, timeline
+from qrobot.report.timeline import timeline
 
 if TYPE_CHECKING:
     from qrobot.planning import Result
@@ -249,32 +249,30 @@ def pick_lists(
     >>> [(pick.article, pick.basket, float(pick.load)) for pick in lists.lists[0].picks]
     [('6', 1, 4.0), ('7', 2, 6.0), ('1', 3, 14.0)]
     """
-    scene, plan = checked_scene(answer, instance), plan_of(answer)
-    fleet = {robot.id: robot for robot in scene.instance.robots}
+    scene = checked_scene(answer, instance)
+    fleet = [robot.id for robot in scene.instance.robots]
     wanted = tuple(map(canonical, robots)) or tuple(fleet)
     for name in wanted:
         if name not in fleet:
-            known = ", ".join(list(fleet)[:8]) + (", .." if len(fleet) > 8 else "")
+            known = ", ".join(fleet[:8]) + (", .." if len(fleet) > 8 else "")
             raise InputError(f"{name!r} is not a robot here", advice=f"use one of: {known}")
     owner = {item: order.id for order in scene.instance.orders for item in order.items}
-    turns = Counter(trip.robot for trip in plan.trips)
+    turns = Counter(journey.robot.id for journey in scene.journeys)
     lists = []
-    for journey, nodes in zip(scene.journeys, plan.routes(scene.instance), strict=True):
-        robot = fleet[journey.trip.robot]
-        if robot.id in wanted:
-            visits = timeline(scene.instance, robot, nodes)
-            lists.append(_pick_list(scene.instance, journey, visits, owner, turns[robot.id]))
+    for journey in scene.journeys:
+        robot = journey.robot.id
+        if robot in wanted:
+            lists.append(_pick_list(scene.instance, journey, owner, turns[robot]))
     return PickLists(scene, tuple(lists), tuple(dict.fromkeys(wanted)))
 
 
 def _pick_list(
     instance: Instance,
     journey: Journey,
-    visits: Sequence[Visit],
     owner: dict[str, str],
     turns: int,
 ) -> PickList:
-    *stops, end = visits
+    *stops, end = timeline(journey)
     numbers: dict[str, int] = {}
     picks, load = [], Fraction(0)
     for stop, (item, visit) in enumerate(zip(journey.items, stops, strict=True), 1):

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from math import dist
 from typing import TYPE_CHECKING
 
 from qrobot._files import StrPath
@@ -15,7 +16,7 @@ from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
 from qrobot.plan import OBJECTIVES, Plan, Trip, as_picked, check, plan_of
-from qrobot.problem import AisleWarehouse, Instance, Item, Place, Slot, Warehouse
+from qrobot.problem import AisleWarehouse, Instance, Item, Place, Robot, Slot, Warehouse
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
 from qrobot.report.palette import Colour, colour_of
@@ -43,12 +44,14 @@ class Journey:
         Of the robot where each makes one trip, otherwise of the trip: no two trips have the same.
     turn
         Which trip of its robot, from 0.
-    capacity
-        Of the robot.
+    robot
+        Who makes it.
     items
         What is collected, in sequence.
     legs
         Corner points from the depot to the first stop, ..., from the last to the depot.
+    lengths
+        Of each leg, metres.
     """
 
     trip: Trip
@@ -56,9 +59,15 @@ class Journey:
     name: str
     colour: Colour
     turn: int
-    capacity: Fraction
+    robot: Robot
     items: tuple[Item, ...]
     legs: tuple[tuple[XY, ...], ...]
+    lengths: tuple[float, ...]
+
+    @property
+    def capacity(self) -> Fraction:
+        """Of the robot."""
+        return self.robot.capacity
 
     @property
     def tag(self) -> str:
@@ -129,7 +138,7 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
                 raise InputError(f"item {stop!r} is not in the instance", advice=_ADVICE)
         turn = turns[trip.robot] = turns.get(trip.robot, -1) + 1
         picked = tuple(items[stop] for stop in trip.stops)
-        places = [None, *(item.place for item in picked), None]
+        legs, lengths = _legs(instance, [item.place for item in picked], plan.routing)
         journeys.append(
             Journey(
                 trip=trip,
@@ -138,9 +147,10 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
                 + (f", trip {turn + 1}" if trip.robot in several else ""),
                 colour=colour_of(n - 1 if several else fleet[trip.robot]),
                 turn=turn,
-                capacity=instance.robots[fleet[trip.robot]].capacity,
+                robot=instance.robots[fleet[trip.robot]],
                 items=picked,
-                legs=_legs(instance.warehouse, places, plan.routing),
+                legs=legs,
+                lengths=lengths,
             )
         )
     unit = _unit(instance)
@@ -154,15 +164,19 @@ def scene_of(answer: Result | Plan | StrPath, instance: Instance | StrPath | Non
 
 
 def _legs(
-    house: Warehouse, places: Sequence[Place | None], routing: str
-) -> tuple[tuple[XY, ...], ...]:
-    """Return the legs from stop to stop: shortest ways, or the parts of a policy's way."""
+    instance: Instance, places: Sequence[Place], routing: str
+) -> tuple[tuple[tuple[XY, ...], ...], tuple[float, ...]]:
+    """Return the legs from stop to stop and their lengths: of shortest ways, or of a policy's."""
+    house = instance.warehouse
     slots = [place for place in places if isinstance(place, Slot)]
     if routing in POLICIES and isinstance(house, AisleWarehouse) and slots:
         way = route(house, slots, routing)
         if way.sequence == tuple(range(len(slots))):
-            return way.legs
-    return tuple(_leg(house, a, b) for a, b in pairwise(places))
+            # A policy goes along the axes only.
+            return way.legs, tuple(sum(map(dist, leg, leg[1:])) for leg in way.legs)
+    rows = [0, *(instance.row_of_place[place] for place in places), 0]
+    lengths = tuple(float(instance.place_distances[a, b]) for a, b in pairwise(rows))
+    return tuple(_leg(house, a, b) for a, b in pairwise([None, *places, None])), lengths
 
 
 def _leg(house: Warehouse, start: Place | None, end: Place | None) -> tuple[XY, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +19,7 @@ from qrobot.report.timeline import Visit, timeline
 if TYPE_CHECKING:
     from qrobot.planning import Result
 
-__all__ = ["SCHEDULE_SCHEMA", "RobotDay", "Schedule", "TimedTrip", "schedule", "schedule_of"]
+__all__ = ["SCHEDULE_SCHEMA", "RobotSchedule", "Schedule", "TimedTrip", "schedule", "schedule_of"]
 
 SCHEDULE_SCHEMA = "qrobot.schedule/1"
 
@@ -60,9 +59,14 @@ class TimedTrip:
         """Seconds that the robot stands at its stops."""
         return sum(visit.leaves - visit.arrives for visit in self.visits)
 
+    @property
+    def driving(self) -> float:
+        """Seconds that the robot drives."""
+        return self.visits[-1].leaves - self.collecting
+
 
 @dataclass(frozen=True, slots=True)
-class RobotDay:
+class RobotSchedule:
     """All trips of a robot, one after the other.
 
     Parameters
@@ -105,12 +109,12 @@ class Schedule:
     """
 
     scene: Scene
-    robots: tuple[RobotDay, ...]
+    robots: tuple[RobotSchedule, ...]
 
     @property
     def ends(self) -> float:
         """When the last robot is back (the makespan), seconds."""
-        return max((day.ends for day in self.robots), default=0.0)
+        return max((own.ends for own in self.robots), default=0.0)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the schedule as plain data (schema ``qrobot.schedule/1``)."""
@@ -120,13 +124,13 @@ class Schedule:
             "ends": self.ends,
             "robots": [
                 {
-                    "robot": day.robot,
-                    "ends": day.ends,
-                    "driving": day.driving,
-                    "collecting": day.collecting,
-                    "trips": [self._trip_data(trip) for trip in day.trips],
+                    "robot": own.robot,
+                    "ends": own.ends,
+                    "driving": own.driving,
+                    "collecting": own.collecting,
+                    "trips": [self._trip_data(trip) for trip in own.trips],
                 }
-                for day in self.robots
+                for own in self.robots
             ],
         }
 
@@ -155,14 +159,14 @@ class Schedule:
         """Return a line a stop as CSV, and one for each return to the depot."""
         owner = {item: order.id for order in self.scene.instance.orders for item in order.items}
         rows = []
-        for day in self.robots:
-            for turn, trip in enumerate(day.trips, 1):
+        for own in self.robots:
+            for turn, trip in enumerate(own.trips, 1):
                 for stop, visit in enumerate(trip.visits, 1):
                     last = stop == len(trip.visits)
                     item = None if last else trip.journey.items[stop - 1]
                     rows.append(
                         {
-                            "robot": day.robot,
+                            "robot": own.robot,
                             "turn": turn,
                             "trip": trip.journey.number,
                             "stop": stop,
@@ -182,31 +186,29 @@ class Schedule:
         """Return a line a trip as a table for a terminal, and when all are back."""
         rows = [
             [
-                printable(day.robot),
-                f"{turn} of {len(day.trips)}",
-                *(f"{number(value)} s" for value in (trip.begins, trip.ends)),
-                *(f"{number(value)} s" for value in (_driving(trip), trip.collecting)),
+                printable(own.robot),
+                f"{turn} of {len(own.trips)}",
+                *(
+                    f"{number(value)} s"
+                    for value in (trip.begins, trip.ends, trip.driving, trip.collecting)
+                ),
                 number(trip.journey.trip.distance),
                 str(len(trip.journey.items)),
             ]
-            for day in self.robots
-            for turn, trip in enumerate(day.trips, 1)
+            for own in self.robots
+            for turn, trip in enumerate(own.trips, 1)
         ]
         heads = ["robot", "trip", "leaves", "back", "driving", "collecting", "distance", "picks"]
-        last = max(self.robots, key=lambda day: day.ends, default=None)
+        last = max(self.robots, key=lambda own: own.ends, default=None)
         if last is None or not last.trips:
             return "no trips\n"
-        home = [printable(day.robot) for day in self.robots if not day.trips]
+        home = [printable(own.robot) for own in self.robots if not own.trips]
         table = columns(heads, rows, numbers=frozenset(range(2, len(heads))))
         some = ", ".join(home[:MOST_NAMES]) + (", .." if len(home) > MOST_NAMES else "")
         idle = f"\nwithout a trip: {some}" if home else ""
         back = f"all robots are back after {number(self.ends)} s, {printable(last.robot)} last"
-        total = sum(day.ends for day in self.robots)
+        total = sum(own.ends for own in self.robots)
         return f"{table}{idle}\n{back}; together they work {number(total)} s\n"
-
-
-def _driving(trip: TimedTrip) -> float:
-    return trip.visits[-1].leaves - trip.collecting
 
 
 def schedule(
@@ -230,9 +232,9 @@ def schedule(
     --------
     >>> import qrobot
     >>> found = schedule(qrobot.solve("examples/paper-7-items.json"))
-    >>> [(day.robot, len(day.trips)) for day in found.robots]
+    >>> [(own.robot, len(own.trips)) for own in found.robots]
     [('R1', 1), ('R2', 1), ('R3', 1)]
-    >>> found.ends == max(trip.ends for day in found.robots for trip in day.trips)
+    >>> found.ends == max(trip.ends for own in found.robots for trip in own.trips)
     True
     """
     return schedule_of(checked_scene(answer, instance))
@@ -240,13 +242,9 @@ def schedule(
 
 def schedule_of(scene: Scene) -> Schedule:
     """Return when each robot of a plan is where, its trips in the sequence of the plan."""
-    node = {item.id: i + 1 for i, item in enumerate(scene.instance.items)}
-    fleet = {robot.id: robot for robot in scene.instance.robots}
-    trips: dict[str, list[TimedTrip]] = defaultdict(list)
+    trips: dict[str, list[TimedTrip]] = {robot.id: [] for robot in scene.instance.robots}
     for journey in scene.journeys:
-        before = trips[journey.trip.robot]
-        nodes = [node[item.id] for item in journey.items]
-        visits = timeline(scene.instance, fleet[journey.trip.robot], nodes)
+        before = trips[journey.robot.id]
         begins = before[-1].ends if before else 0.0
-        before.append(TimedTrip(journey, begins, tuple(visits)))
-    return Schedule(scene, tuple(RobotDay(name, tuple(trips.get(name, ()))) for name in fleet))
+        before.append(TimedTrip(journey, begins, tuple(timeline(journey))))
+    return Schedule(scene, tuple(RobotSchedule(name, tuple(own)) for name, own in trips.items()))

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
-from qrobot.problem import Instance, Robot
+from qrobot.report.scene import Journey
 
 __all__ = ["Visit", "timeline"]
 
@@ -28,18 +26,16 @@ class Visit:
     leaves: float
 
 
-def timeline(instance: Instance, robot: Robot, nodes: Sequence[int]) -> list[Visit]:
-    """Return the visits of a trip to nodes: a stop an item, and the return to the depot.
+def timeline(journey: Journey) -> list[Visit]:
+    """Return the visits of a trip: a stop an item, and the return to the depot.
 
     The last one ends when the objective ``time`` says that the trip does.
     """
-    picks = [*(instance.items[node - 1].pick_seconds for node in nodes), 0.0]
+    picks = [*(item.pick_seconds for item in journey.items), 0.0]
     visits, distance, clock = [], 0.0, 0.0
-    places = instance.place_of_node[[0, *nodes, 0]].tolist()
-    for (start, end), seconds in zip(pairwise(places), picks, strict=True):
-        leg = float(instance.place_distances[start, end])
+    for leg, seconds in zip(journey.lengths, picks, strict=True):
         distance += leg
-        arrives = clock + leg / robot.speed
+        arrives = clock + leg / journey.robot.speed
         clock = arrives + seconds
         visits.append(Visit(distance, arrives, clock))
     return visits

@@ -16,7 +16,7 @@ import numpy as np
 
 from qrobot import _jit
 from qrobot.errors import InputError
-from qrobot.problem import AisleWarehouse, Slot
+from qrobot.problem import AisleWarehouse, Instance, Slot
 from qrobot.warehouse.ends import OnCrossAisle, ends_of
 from qrobot.warehouse.grid import Grid, grid_of, part_costs, positions_of
 from qrobot.warehouse.inside import InAisle, prices_inside, walks_inside
@@ -165,6 +165,20 @@ class Router:
             walked.reverse()
         sequence = [i for spot in walked if len(spot) == 3 for i in at.pop(spot, ())]
         return Tour(length, tuple(sequence))
+
+    def route(self, instance: Instance, nodes: Sequence[int]) -> tuple[float, list[int]]:
+        """Return the length of a shortest tour past the items of some nodes, and its sequence.
+
+        Parameters
+        ----------
+        instance
+            Its warehouse is that of this router.
+        nodes
+            Item indices + 1.
+        """
+        slots = [p for node in nodes if isinstance(p := instance.items[node - 1].place, Slot)]
+        tour = self.tour(slots)
+        return tour.length, [nodes[at] for at in tour.sequence]
 
     def _along_one_ways(
         self,

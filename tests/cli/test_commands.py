@@ -17,6 +17,7 @@ from processes import await_text
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
+QUESTION = EXAMPLES / "paper-7-items.json"
 
 
 def qrobot(

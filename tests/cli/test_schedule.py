@@ -6,16 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from cli.test_commands import EXAMPLES, one_sentence, qrobot
-
-QUESTION = EXAMPLES / "paper-7-items.json"
-
-
-@pytest.fixture(scope="module")
-def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("plan") / "plan.json"
-    assert qrobot("solve", QUESTION, "-o", path).returncode == 0
-    return path
+from cli.test_commands import QUESTION, one_sentence, qrobot
 
 
 def test_a_table_files_and_a_picture(plan: Path, tmp_path: Path) -> None:

@@ -38,8 +38,6 @@ for at, word in enumerate(words):
 limits = {{"--deadline", "-t", "--max-work", "--dry-run", "--no-wait"}}
 if words[:1] == ["solve"] and not limits & set(words):
     words += ["-t", "{SHORT}"]
-if words[:1] == ["bench"] and "--match" not in words:
-    words += ["--match", "paper-4*"]  # each file costs a start for every backend
 if words[:1] == ["health"] and not {{"compare", "merge", "--list"}} & set(words):
     words.insert(1, "--no-system")  # this machine may have faults of its own
 import started

@@ -100,7 +100,7 @@ def radial_of_the_literature(instance: Instance) -> float:
     )
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=100)
 @given(instances(min_items=1, max_items=7, multi_trip=True), st.booleans())
 def test_no_bound_exceeds_the_optimum(instance: Instance, known: bool) -> None:
     """Whole orders, zero weights, unlike robots, asymmetric and non-metric tables."""
@@ -162,7 +162,7 @@ def test_every_backend_tells_at_least_the_ways_out_and_back(backend: str, laid: 
     """Whatever searches, and however little: the ways out and back are in its result."""
     if backend == "pyvrp":
         pytest.importorskip("pyvrp")
-    instance = wave(40, 1 if backend == "pyvrp" else 2)
+    instance = wave(60, 1 if backend == "pyvrp" else 2)
     if laid != "aisles":
         instance = on_a_floor(instance) if laid == "floor" else as_a_table(instance)
     found = qrobot.solve(instance, backend=backend, max_work=1)

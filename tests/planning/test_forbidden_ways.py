@@ -75,7 +75,7 @@ def sparse(draw: st.DrawFn, *, most: int = 4, solvable: bool = False) -> Instanc
     return table(rows, weights, capacity, robots)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(sparse())
 def test_every_answer_is_the_one_of_all_sequences(one: Instance) -> None:
     best = least(one)

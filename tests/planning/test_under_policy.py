@@ -74,7 +74,7 @@ def least(instance: Instance, policy: str) -> float:
 @COMPILED
 @pytest.mark.parametrize("policy", POLICIES)
 def test_the_best_batches_are_found_and_proven(policy: str) -> None:
-    for seed in range(2):  # the depot in front and at the back
+    for seed in range(3):
         instance = orders(seed, 7, back=seed % 2)
         result = qrobot.solve(instance, routing=policy, max_work=400)
         assert result.is_optimal
@@ -93,8 +93,7 @@ def test_the_best_batches_through_blocks_are_found_and_proven(
     """Whether batches are all listed, or left out by what no longer batch is shorter than."""
     if not listed:
         monkeypatch.setattr("qrobot.backends.classical.generation.search.MOST_BATCHES", 0)
-    # Two and three blocks, the depot in front and at the back.
-    for seed in (0, 3) if listed else (1, 2):
+    for seed in range(4):
         instance = orders(seed, 7, back=seed % 2, blocks=2 + seed // 2)
         best = least(instance, policy)
         result = qrobot.solve(instance, routing=policy, max_work=4_000)
@@ -142,7 +141,9 @@ def test_every_planner_measures_by_the_policy(backend: str) -> None:
 
 @COMPILED
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the published files are not here")
-@pytest.mark.parametrize("name", ["Largest_Gap__5l-30-30-0", "S-Shape__26s-30-45-4"])
+@pytest.mark.parametrize(
+    "name", ["Largest_Gap__5l-30-30-0", "S-Shape__25s-30-30-8", "S-Shape__26s-30-45-4"]
+)
 def test_proven_values_are_the_published_ones(name: str) -> None:
     """Wahlen and Gschwind (2023), files of Henn."""
     file = f"henn/uniform_{name}.txt"

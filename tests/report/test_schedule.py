@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import random
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -17,8 +18,9 @@ from report.test_picklist import planned, questions
 
 import qrobot
 from qrobot.plan import Plan
-from qrobot.problem import Item, OpenFloor, Order, Point, Robot
-from qrobot.report import draw_schedule, schedule
+from qrobot.problem import AisleWarehouse, Item, OpenFloor, Order, Point, Robot, Slot
+from qrobot.report import draw_schedule, pick_lists, schedule
+from qrobot.warehouse.under_policy import ROUTINGS
 
 SCHEMA = json.loads((Path(qrobot.__file__).parent / "report" / "schedule.schema.json").read_text())
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
@@ -37,17 +39,36 @@ def test_times_are_those_of_a_walk_with_a_watch() -> None:
     # There and back and the picks: 12, 24, 36, 48 s with A, 14, 28, 42, 56 s with B. The longest
     # first, each to whom it brings back first: 48 to A, 42 to B, 24 to B (66, A: 72), 12 to A.
     times = {
-        day.robot: [(trip.journey.items[0].id, trip.begins, trip.ends) for trip in day.trips]
-        for day in found.robots
+        own.robot: [(trip.journey.items[0].id, trip.begins, trip.ends) for trip in own.trips]
+        for own in found.robots
     }
     assert times == {
         "A": [("i4", 0, 48), ("i1", 48, 60)],
         "B": [("i3", 0, 42), ("i2", 42, 70)],
     }
     assert found.ends == 70
-    assert [(day.driving, day.collecting) for day in found.robots] == [(10, 50), (20, 50)]
+    assert [(own.driving, own.collecting) for own in found.robots] == [(10, 50), (20, 50)]
     stop = found.to_dict()["robots"][1]["trips"][1]["stops"][0]
     assert (stop["item"], stop["arrives"], stop["leaves"]) == ("i2", 46, 66)
+
+
+@pytest.mark.parametrize("routing", [name for name in ROUTINGS if name != "exact"])
+def test_times_are_those_of_the_ways_of_a_policy(routing: str) -> None:
+    rng = random.Random(1)
+    items = tuple(
+        Item(f"i{k}", 1, Slot(rng.randrange(6), rng.randrange(10)), pick_seconds=3.0)
+        for k in range(24)
+    )
+    orders = tuple(Order(item.id, (item.id,)) for item in items)
+    house = AisleWarehouse(6, 10, depot_distance=2.0)
+    instance = qrobot.Instance(house, items, orders, (Robot("A", 8, 0.5, 5),))
+    result = qrobot.solve(instance, backend="fcfs", routing=routing, max_work=1)
+    (own,) = schedule(result).robots
+    for trip, of in zip(own.trips, result.plan.trips, strict=True):
+        assert trip.visits[-1].distance == pytest.approx(of.distance)
+        assert trip.driving == pytest.approx(of.seconds)
+    (lists, *_) = pick_lists(result).lists
+    assert lists.seconds == pytest.approx(own.trips[0].ends)
 
 
 @settings(max_examples=50, deadline=None)
@@ -61,12 +82,12 @@ def test_every_trip_follows_the_one_before_and_together_they_take_the_time(
     free = instance.with_robots(None)
     data = json.loads(schedule(plan, free).to_json())
     VALIDATOR.validate(data)
-    assert sum(day["ends"] for day in data["robots"]) == pytest.approx(plan.cost)
-    assert max(day["ends"] for day in data["robots"]) == data["ends"]
+    assert sum(own["ends"] for own in data["robots"]) == pytest.approx(plan.cost)
+    assert max(own["ends"] for own in data["robots"]) == data["ends"]
     taken = []
-    for day in data["robots"]:
+    for own in data["robots"]:
         clock = 0.0
-        for trip in day["trips"]:
+        for trip in own["trips"]:
             assert trip["begins"] == clock
             for stop in trip["stops"]:
                 assert clock <= stop["arrives"] <= stop["leaves"]
@@ -74,7 +95,7 @@ def test_every_trip_follows_the_one_before_and_together_they_take_the_time(
                 taken.append(stop["item"])
             assert clock <= trip["ends"]
             clock = trip["ends"]
-        assert clock == day["ends"] == pytest.approx(day["driving"] + day["collecting"])
+        assert clock == own["ends"] == pytest.approx(own["driving"] + own["collecting"])
     assert sorted(taken) == sorted(item.id for item in instance.items)
 
 
@@ -83,9 +104,9 @@ def test_the_lines_of_the_file_are_those_of_the_data() -> None:
     found = schedule(plan, instance)
     rows = list(csv.DictReader(io.StringIO(found.to_csv())))
     stops = [
-        (day["robot"], stop["item"], stop["leaves"])
-        for day in found.to_dict()["robots"]
-        for trip in day["trips"]
+        (own["robot"], stop["item"], stop["leaves"])
+        for own in found.to_dict()["robots"]
+        for trip in own["trips"]
         for stop in trip["stops"]
     ]
     assert [
@@ -113,10 +134,24 @@ def test_a_bar_a_trip_as_long_as_the_trip(tmp_path: Path) -> None:
             path = next(iter(node)).get("d") or ""
             xs = [float(x) for x in re.findall(r"[ML] ([\d.]+) ", path)]
             widths[int(found_id[1])] = max(xs) - min(xs)
-    long = {t.journey.number: t.ends - t.begins for day in found.robots for t in day.trips}
+    long = {t.journey.number: t.ends - t.begins for own in found.robots for t in own.trips}
     assert widths.keys() == long.keys()
     scale = widths[1] / long[1]
     assert all(widths[n] == pytest.approx(scale * seconds, rel=1e-4) for n, seconds in long.items())
+
+
+def test_many_robots_and_odd_names_are_drawn(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    count = 400
+    items = tuple(Item(f"i{k}", 1, Point(k + 1, 0)) for k in range(count))
+    orders = tuple(Order(item.id, (item.id,)) for item in items)
+    robots = tuple(Robot(f"R{k}" if k else "\U0001f916", 1) for k in range(count))
+    instance = qrobot.Instance(OpenFloor(), items, orders, robots)
+    found = schedule(Plan.from_routes(instance, [[k + 1] for k in range(count)]), instance)
+    notes = draw_schedule(found, tmp_path / "bars.png")
+    assert (tmp_path / "bars.png").stat().st_size
+    assert any("font" in note for note in notes)
+    assert not draw_schedule(found, tmp_path / "bars.svg")
 
 
 def test_a_plan_that_is_wrong_has_no_schedule() -> None:
@@ -130,9 +165,9 @@ def test_the_schema_describes_all_that_is_written() -> None:
     data = schedule(*on_a_line(Robot("A", 1, 1.0, 9))[::-1]).to_dict()
     parts = SCHEMA["$defs"]
     assert set(data) == set(SCHEMA["properties"])
-    day = data["robots"][0]
-    assert set(day) == set(parts["robot"]["properties"])
-    assert set(day["trips"][0]) == set(parts["trip"]["properties"])
-    assert set(day["trips"][0]["stops"][0]) == set(parts["stop"]["properties"])
-    del day["trips"][0]["stops"][0]["leaves"]
+    own = data["robots"][0]
+    assert set(own) == set(parts["robot"]["properties"])
+    assert set(own["trips"][0]) == set(parts["trip"]["properties"])
+    assert set(own["trips"][0]["stops"][0]) == set(parts["stop"]["properties"])
+    del own["trips"][0]["stops"][0]["leaves"]
     assert not VALIDATOR.is_valid(data)

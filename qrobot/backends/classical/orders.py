@@ -202,14 +202,8 @@ class Trips:
             nodes = [node for order in batch for node in self._instance.order_nodes[order]]
             if not self._exact:
                 (known,) = self._instance.in_sequence([nodes])
-                self._known[batch] = known
-                return known
-            slots = [
-                place
-                for node in nodes
-                if isinstance(place := self._instance.items[node - 1].place, Slot)
-            ]
-            known = [nodes[at] for at in self._router.tour(slots).sequence]
+            else:
+                _, known = self._router.route(self._instance, nodes)
             self._known[batch] = known
         return known
 
