@@ -314,9 +314,7 @@ def main() -> NoReturn:
     except BaseException:
         traceback.print_exc()
         code = 1
-    for thread in threading.enumerate():
-        if thread is not threading.main_thread() and not thread.daemon:
-            thread.join()
+    vars(threading)["_shutdown"]()  # ends pools of threads too, which wait for work until told
     atexit._run_exitfuncs()  # nothing public runs them without the end of the interpreter
     for stream in (sys.stdout, sys.stderr):
         try:
