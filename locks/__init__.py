@@ -30,7 +30,7 @@ PROFILES = {
     "solver": ("solver",),
     "edge": ("edge",),
     "full": ("full",),
-    "dev": ("solver", "dev", "docs", "provision"),
+    "dev": ("solver", "excel", "maps", "dev", "docs", "provision"),
 }
 """The profiles that have a lock, NAME.txt, and the extras of qRobot that it holds."""
 

@@ -34,8 +34,8 @@ compile solver pyproject.toml --extra solver --constraint "$everything"
 compile edge pyproject.toml --extra edge --constraint "$everything"
 compile full pyproject.toml --extra full --constraint "$everything"
 compile provision pyproject.toml --extra provision --constraint "$everything"
-compile dev pyproject.toml --extra solver --extra dev --extra docs --extra provision \
-  --constraint "$everything"
+compile dev pyproject.toml --extra solver --extra excel --extra maps --extra dev --extra docs \
+  --extra provision --constraint "$everything"
 rm "$everything"
 
 for file in "$work"/*.txt; do
