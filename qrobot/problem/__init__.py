@@ -5,6 +5,7 @@ from qrobot.problem.entities import Item, Order, Robot, Stock
 from qrobot.problem.floor import OpenFloor
 from qrobot.problem.instance import Instance
 from qrobot.problem.table import DistanceTable
+from qrobot.problem.times import Times
 from qrobot.problem.validity import MAX_ITEMS, MAX_STOPS
 from qrobot.problem.warehouse import Node, Place, Point, Slot, Warehouse
 
@@ -23,5 +24,6 @@ __all__ = [
     "Robot",
     "Slot",
     "Stock",
+    "Times",
     "Warehouse",
 ]

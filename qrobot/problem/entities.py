@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -35,6 +36,8 @@ class Item:
         How many pieces it is; weight and time are of all of them together.
     article
         What the article is called where several items are of one; empty: as the item.
+    level
+        Levels above the floor, for `Times.per_level`.
     """
 
     id: str
@@ -43,6 +46,7 @@ class Item:
     pick_seconds: float = 0.0
     quantity: int = 1
     article: str = ""
+    level: int = 0
 
     if TYPE_CHECKING:  # what is taken is wider than what is kept
 
@@ -54,6 +58,7 @@ class Item:
             pick_seconds: float = 0.0,
             quantity: int = 1,
             article: str = "",
+            level: int = 0,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -74,14 +79,35 @@ class Order:
         Unique name.
     items
         Ids of its items.
+    release
+        When its trip may leave at the earliest, seconds: what is not in yet, or cannot be
+        prepared yet.
+    due
+        When it should be back at the depot, seconds; what comes later is its lateness.
+    deadline
+        When it must be back; no plan brings it later.
+    priority
+        What a second of its lateness counts.
     """
 
     id: str
     items: tuple[str, ...]
+    release: float = 0.0
+    due: float = math.inf
+    deadline: float = math.inf
+    priority: float = 1.0
 
     if TYPE_CHECKING:
 
-        def __init__(self, id: str, items: Sequence[str]) -> None: ...
+        def __init__(
+            self,
+            id: str,
+            items: Sequence[str],
+            release: float = 0.0,
+            due: float = math.inf,
+            deadline: float = math.inf,
+            priority: float = 1.0,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Keep the ids of any sequence as a tuple, in their composed form."""

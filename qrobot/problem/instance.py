@@ -23,8 +23,9 @@ from qrobot.problem.checks import check_reference
 from qrobot.problem.entities import Item, Order, Robot, Stock
 from qrobot.problem.fleets import fleet_of_size
 from qrobot.problem.table import unreachable
+from qrobot.problem.times import Times
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
-from qrobot.problem.useful import insert_orders, outlying, useful_limit
+from qrobot.problem.useful import first_trips, outlying, useful_limit
 from qrobot.problem.validity import check_entities, check_stock, some
 from qrobot.problem.warehouse import Place, Warehouse
 
@@ -62,6 +63,8 @@ class Instance:
         Articles that lie in several places, and how many pieces in each: an item of such an
         article may be taken from any of them. Its own place is a first choice, which the stock
         has enough pieces for.
+    times
+        Seconds beside driving that are the same for all robots.
 
     Raises
     ------
@@ -80,6 +83,7 @@ class Instance:
     split: bool = field(default=False)
     remarks: tuple[str, ...] = field(default=(), compare=False)
     stock: tuple[Stock, ...] = ()
+    times: Times = field(default=Times())
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without distances."""
@@ -297,31 +301,17 @@ class Instance:
             dtype=np.int64,
         )
 
+    @cached_property
+    def _first_routes(self) -> list[list[int]] | None:
+        lots, weights = self._order_stops, self.order_weights.tolist()
+        found = first_trips(self.stop_distances, lots, weights, self.vehicle_capacities)
+        if found is None:
+            return None
+        return [[node for s in trip for node in self.stops[s - 1]] for trip in found]
+
     def first_routes(self) -> list[list[int]] | None:
         """Return the nodes of each trip of a plan made in no time, or None where it fails."""
         return None if self._first_routes is None else [list(trip) for trip in self._first_routes]
-
-    @cached_property
-    def _first_routes(self) -> list[list[int]] | None:
-        weights = self.order_weights.tolist()
-        heaviest_first = sorted(range(len(weights)), key=lambda o: -weights[o])
-        for first_fit in (False, True):
-            row = insert_orders(
-                self.stop_distances,
-                self._order_stops,
-                weights,
-                self.vehicle_capacities,
-                heaviest_first,
-                first_fit=first_fit,
-            )
-            if row is not None:
-                trips = np.split(row, np.flatnonzero(row == 0)[1:])
-                return [
-                    [node for s in trip.tolist() if s for node in self.stops[s - 1]]
-                    for trip in trips
-                    if len(trip) > 1
-                ]
-        return None
 
     def route_length(self, route: Sequence[int]) -> float:
         """Return the length of the way from the depot past the nodes and back, metres.
@@ -332,6 +322,11 @@ class Instance:
             return 0.0
         rows = self.place_of_node[[0, *route, 0]]
         return float(self.place_distances[rows[:-1], rows[1:]].sum())
+
+    @cached_property
+    def has_deadlines(self) -> bool:
+        """Whether some order must be back at a time."""
+        return any(math.isfinite(order.deadline) for order in self.orders)
 
     @property
     def routing(self) -> str:
@@ -375,7 +370,10 @@ class Instance:
 
     def split_orders(self) -> Instance:
         """Return the instance in which every item stands alone, as in the paper's formulas."""
-        singles = tuple(Order(id=item.id, items=(item.id,)) for item in self.items)
+        owner = {item: order for order in self.orders for item in order.items}
+        singles = tuple(
+            dataclasses.replace(owner[item.id], id=item.id, items=(item.id,)) for item in self.items
+        )
         return dataclasses.replace(self, orders=singles, split=True)
 
     def with_robots(self, count: int | None) -> Instance:

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from qrobot._arrays import Floats
 from qrobot.problem.spanning import spanning_tree
 
-__all__ = ["insert_orders", "outlying", "useful_limit"]
+__all__ = ["first_trips", "insert_orders", "outlying", "useful_limit"]
 
 Rows = npt.NDArray[np.intp]
 
@@ -72,6 +72,25 @@ def useful_limit(
     limit = 1.01 * known * spread
     # Whole distances stay whole.
     return float(math.ceil(limit)) if bool((kept == np.rint(kept)).all()) else limit
+
+
+def first_trips(
+    d: Floats,
+    lots: Sequence[Sequence[int]],
+    weights: Sequence[int],
+    capacities: npt.NDArray[np.int64],
+) -> list[list[int]] | None:
+    """Return the rows of each trip of a plan made in no time, or None where it fails.
+
+    The arguments are those of `insert_orders`.
+    """
+    heaviest_first = sorted(range(len(weights)), key=lambda o: -weights[o])
+    for first_fit in (False, True):
+        row = insert_orders(d, lots, weights, capacities, heaviest_first, first_fit=first_fit)
+        if row is not None:
+            trips = np.split(row, np.flatnonzero(row == 0)[1:])
+            return [[s for s in trip.tolist() if s] for trip in trips if len(trip) > 1]
+    return None
 
 
 def _spanning(d: Floats) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from qrobot.errors import InputError
 from qrobot.problem.checks import first_invisible
 from qrobot.problem.entities import Item, Order, Robot, Stock
+from qrobot.problem.times import check_order_times
 from qrobot.problem.warehouse import Place, Warehouse
 
 __all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "check_robots", "check_stock", "some"]
@@ -44,6 +45,7 @@ def check_entities(
     _unique([o.id for o in orders], "orders")
     _check_items(warehouse, items)
     check_robots(robots)
+    check_order_times(orders)
     owner = _owners(items, orders)
     _check_stops(items, owner)
 

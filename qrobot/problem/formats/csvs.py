@@ -48,6 +48,7 @@ def read_csv(path: Path, options: ReadOptions) -> Instance:
             items=tuple(items),
             orders=tuple(Order(id_, tuple(names)) for id_, names in orders.items()),
             robots=plan.robots,
+            times=plan.times,
             name=path.stem,
             comment=plan.comment,
             remarks=() if items else ("the file has a header but no orders",),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import decimal
 import math
 import re
@@ -28,6 +29,7 @@ from qrobot.problem import (
     Robot,
     Slot,
     Stock,
+    Times,
     Warehouse,
 )
 from qrobot.problem.fleets import check_fleet_size
@@ -72,6 +74,7 @@ class Layout:
     comment: str
     warehouse: Warehouse
     robots: tuple[Robot, ...]
+    times: Times
 
 
 def parse_native(text: str) -> Instance:
@@ -95,11 +98,21 @@ def _instance(document: Document) -> Instance:
         )
     layout = _layout(document)
     items = tuple(
-        Item(i.id, i.weight, _place(i.at), i.pick_seconds, i.quantity, i.article)
+        Item(i.id, i.weight, _place(i.at), i.pick_seconds, i.quantity, i.article, i.level)
         for i in document.items
     )
     if "orders" in document.model_fields_set:
-        orders = tuple(Order(o.id, tuple(o.items)) for o in document.orders)
+        orders = tuple(
+            Order(
+                o.id,
+                tuple(o.items),
+                o.release,
+                math.inf if o.due is None else o.due,
+                math.inf if o.deadline is None else o.deadline,
+                o.priority,
+            )
+            for o in document.orders
+        )
     else:
         orders = tuple(Order(item.id, (item.id,)) for item in items)
 
@@ -113,6 +126,7 @@ def _instance(document: Document) -> Instance:
             comment=document.comment,
             reference=document.reference,
             stock=tuple(Stock(s.article, _place(s.at), s.quantity) for s in document.stock),
+            times=layout.times,
         )
 
     return checked(make, lambda field: field)
@@ -198,7 +212,8 @@ def _layout(document: Document) -> Layout:
         if isinstance(fleet, FleetModel) and error.field:
             raise error.at(re.sub(r"^robots\[\d+\]", "robots", error.field)) from None
         raise
-    return Layout(document.name, document.comment, warehouse, robots)
+    times = Times(**document.times.model_dump())
+    return Layout(document.name, document.comment, warehouse, robots, times)
 
 
 def _warehouse(document: Document) -> Warehouse:
@@ -264,19 +279,31 @@ def to_text(instance: Instance) -> str:
             **({"pick_seconds": item.pick_seconds} if item.pick_seconds else {}),
             **({"quantity": item.quantity} if item.quantity > 1 else {}),
             **({"article": item.article} if item.article else {}),
+            **({"level": item.level} if item.level else {}),
         }
         for i, item in enumerate(instance.items)
     ]
-    if [o.items for o in instance.orders] != [(item.id,) for item in instance.items] or any(
-        order.id != order.items[0] for order in instance.orders
-    ):
-        data["orders"] = [{"id": o.id, "items": list(o.items)} for o in instance.orders]
+    if instance.orders != tuple(Order(item.id, (item.id,)) for item in instance.items):
+        data["orders"] = [_order_data(order) for order in instance.orders]
     if instance.stock:
         data["stock"] = [
             {"article": s.article, "at": _place_data(s.place), "quantity": s.quantity}
             for s in instance.stock
         ]
+    if instance.times != Times():
+        data["times"] = {k: v for k, v in dataclasses.asdict(instance.times).items() if v}
     return dumps(data)
+
+
+def _order_data(order: Order) -> dict[str, Any]:
+    """Return an order without what is usual."""
+    usual = Order(order.id, order.items)
+    wishes = {
+        name: getattr(order, name)
+        for name in ("release", "due", "deadline", "priority")
+        if getattr(order, name) != getattr(usual, name)
+    }
+    return {"id": order.id, "items": list(order.items), **wishes}
 
 
 def _decimal(value: Fraction, index: int | None = None) -> Decimal:

@@ -180,6 +180,19 @@ class OrderModel(_Strict):
 
     id: Name
     items: Annotated[list[Name], Field(min_length=1)]
+    release: Length = 0.0
+    due: Length | None = None
+    deadline: Length | None = None
+    priority: Length = 1.0
+
+
+class TimesModel(_Strict):
+    """Seconds beside driving, the same for all robots."""
+
+    per_trip: Length = 0.0
+    per_pick: Length = 0.0
+    per_piece: Length = 0.0
+    per_level: Length = 0.0
 
 
 class _Drive(_Strict):
@@ -251,6 +264,7 @@ class ItemModel(_Strict):
     pick_seconds: Length = 0.0
     quantity: Count = 1
     article: Name = ""
+    level: Index = 0
 
 
 class StockModel(_Strict):
@@ -278,6 +292,7 @@ class Document(_Strict):
     items: list[ItemModel] = []
     orders: list[OrderModel] = []
     stock: list[StockModel] = []
+    times: TimesModel = TimesModel()
 
 
 def json_schema() -> Mapping[str, Any]:
