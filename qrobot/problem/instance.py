@@ -26,7 +26,7 @@ from qrobot.problem.table import unreachable
 from qrobot.problem.times import Times
 from qrobot.problem.units import MAX_UNITS, common_unit, in_units
 from qrobot.problem.useful import first_trips, outlying, useful_limit
-from qrobot.problem.validity import check_entities, check_stock, some
+from qrobot.problem.validity import check_entities, check_stock, refusal_of_pool, some
 from qrobot.problem.warehouse import Place, Warehouse
 
 __all__ = ["ELSEWHERE", "Instance"]
@@ -65,6 +65,8 @@ class Instance:
         has enough pieces for.
     times
         Seconds beside driving that are the same for all robots.
+    pool
+        Whether it may be larger than one plan: it has no distances, waves are cut from it.
 
     Raises
     ------
@@ -84,10 +86,11 @@ class Instance:
     remarks: tuple[str, ...] = field(default=(), compare=False)
     stock: tuple[Stock, ...] = ()
     times: Times = field(default=Times())
+    pool: bool = False
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without distances."""
-        check_entities(self.warehouse, self.items, self.orders, self.robots)
+        check_entities(self.warehouse, self.items, self.orders, self.robots, pool=self.pool)
         check_stock(self.warehouse, self.items, self.stock)
         if self.reference is not None:
             check_reference(self.reference)
@@ -157,8 +160,10 @@ class Instance:
         Raises
         ------
         InputError
-            When an item cannot be reached from the depot or left again.
+            When an item cannot be reached from the depot or left again; of a pool.
         """
+        if self.pool:
+            raise refusal_of_pool(self.orders)
         matrix = np.ascontiguousarray(self.warehouse.distance_matrix(self.places))
         matrix.flags.writeable = False
         cut_off = unreachable(np.isfinite(matrix))

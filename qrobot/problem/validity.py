@@ -10,14 +10,30 @@ from qrobot.problem.entities import Item, Order, Robot, Stock
 from qrobot.problem.times import check_order_times
 from qrobot.problem.warehouse import Place, Warehouse
 
-__all__ = ["MAX_ITEMS", "MAX_STOPS", "check_entities", "check_robots", "check_stock", "some"]
+__all__ = [
+    "MAX_ITEMS",
+    "MAX_POOL",
+    "MAX_STOPS",
+    "check_entities",
+    "check_robots",
+    "check_stock",
+    "refusal_of_pool",
+    "some",
+]
 
 MAX_ITEMS = 20_000
 """More items than this are refused: plan them in waves."""
 
+MAX_POOL = 200_000
+"""More items than this are no pool that waves are cut from."""
+
 MAX_STOPS = 2_500
 """More stops (places of each order) than this are refused: their distance matrix alone takes
 50 MB, and every solver keeps a few of its size (a Pi 4 may have 2 GB)."""
+
+
+ADVICE = "plan them in waves"
+"""What whoever asks for more than one plan should do."""
 
 
 MIN_SPEED, MAX_SPEED = 1e-6, 1e6
@@ -33,13 +49,20 @@ def check_entities(
     items: Sequence[Item],
     orders: Sequence[Order],
     robots: Sequence[Robot],
+    *,
+    pool: bool = False,
 ) -> None:
-    """Refuse ids that repeat or dangle, numbers out of range, places outside, and too much."""
-    if len(items) > MAX_ITEMS:
+    """Refuse ids that repeat or dangle, numbers out of range, places outside, and too much.
+
+    A `pool` may have more items, and any number of stops.
+    """
+    most = MAX_POOL if pool else MAX_ITEMS
+    if len(items) > most:
         raise InputError(
-            f"{len(items)} items are more than the {MAX_ITEMS} that one plan may have",
+            f"{len(items)} items are more than the {most} that one "
+            f"{'pool' if pool else 'plan'} may have",
             field="items",
-            advice="plan them in waves",
+            advice="give a part of them" if pool else ADVICE,
         )
     _unique([i.id for i in items], "items")
     _unique([o.id for o in orders], "orders")
@@ -47,7 +70,8 @@ def check_entities(
     check_robots(robots)
     check_order_times(orders)
     owner = _owners(items, orders)
-    _check_stops(items, owner)
+    if not pool:
+        _check_stops(items, owner)
 
 
 def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
@@ -209,8 +233,17 @@ def _check_stops(items: Sequence[Item], owner: dict[str, str]) -> None:
             f"{stops} stops (places of each order) are more than the {MAX_STOPS} that one plan "
             f"may have: their distances alone would take {8 * (stops + 1) ** 2 / 1e6:.0f} MB",
             field="orders",
-            advice="plan them in waves",
+            advice=ADVICE,
         )
+
+
+def refusal_of_pool(orders: Sequence[Order]) -> InputError:
+    """Return the error of whoever wants distances of a pool."""
+    return InputError(
+        f"{len(orders)} orders were read as a pool, which has no distances",
+        field="orders",
+        advice=ADVICE,
+    )
 
 
 def _unique(ids: Sequence[str], what: str) -> None:

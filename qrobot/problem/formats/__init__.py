@@ -50,6 +50,7 @@ def read(
     split_orders: bool = False,
     rounding: str | None = None,
     ignore_columns: Sequence[str] = (),
+    pool: bool = False,
 ) -> Instance:
     """Return the instance of a file, whatever its format.
 
@@ -72,6 +73,9 @@ def read(
         place of what its EDGE_WEIGHT_TYPE demands.
     ignore_columns
         Columns of CSV orders that are not ours, such as notes.
+    pool
+        Orders for `qrobot.planning.waves`: native JSON and CSV may hold more than one plan does,
+        and no distances are made.
 
     Returns
     -------
@@ -91,6 +95,7 @@ def read(
             capacity=None if capacity is None else exact(capacity, field="capacity"),
             rounding=rounding,
             ignore_columns=ignore_columns,
+            pool=pool,
         )
         instance = _read_file(path, options, robots)
     except InputError as error:

@@ -52,6 +52,7 @@ def read_csv(path: Path, options: ReadOptions) -> Instance:
             name=path.stem,
             comment=plan.comment,
             remarks=() if items else ("the file has a header but no orders",),
+            pool=options.pool,
         )
 
     return checked(make, lambda field: _where(lines, field))

@@ -77,8 +77,8 @@ class Layout:
     times: Times
 
 
-def parse_native(text: str) -> Instance:
-    """Return the instance of native JSON text.
+def parse_native(text: str, *, pool: bool = False) -> Instance:
+    """Return the instance of native JSON text; a `pool` may be larger than one plan.
 
     Raises
     ------
@@ -86,10 +86,10 @@ def parse_native(text: str) -> Instance:
         When the text is not a document of this schema, or what it asks makes no sense.
     """
     with located(text):
-        return _instance(_document(loads(text)))
+        return _instance(_document(loads(text)), pool)
 
 
-def _instance(document: Document) -> Instance:
+def _instance(document: Document, pool: bool) -> Instance:
     if "items" not in document.model_fields_set:
         raise InputError(
             "is missing (a document without items is a layout)",
@@ -127,6 +127,7 @@ def _instance(document: Document) -> Instance:
             reference=document.reference,
             stock=tuple(Stock(s.article, _place(s.at), s.quantity) for s in document.stock),
             times=layout.times,
+            pool=pool,
         )
 
     return checked(make, lambda field: field)
@@ -389,9 +390,9 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
     return data
 
 
-def read_native(path: Path, _options: ReadOptions) -> Instance:
+def read_native(path: Path, options: ReadOptions) -> Instance:
     """Return the instance of a native JSON file."""
-    return parse_native(read_text(path))
+    return parse_native(read_text(path), pool=options.pool)
 
 
 FORMAT = builtin(__name__, read_native, write=to_text)

@@ -44,6 +44,8 @@ class ReadOptions:
     capacity: Fraction | None = None
     rounding: str | None = None
     ignore_columns: Sequence[str] = ()
+    pool: bool = False
+    """Whether the instance may be larger than one plan; see `Instance.pool`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +165,9 @@ def checked(make: Callable[[], Instance], where: Callable[[str], str]) -> Instan
     """Return what `make` makes, with all that can be wrong with it found out and told by place."""
     try:
         instance = make()
-        _ = instance.place_distances, instance.unit
+        _ = instance.unit
+        if not instance.pool:
+            _ = instance.place_distances
     except InputError as error:
         raise error.at(where(error.field) if error.field else None) from None
     return instance
