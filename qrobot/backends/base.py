@@ -46,9 +46,9 @@ class Capabilities:
         Whether a planner tells of as many random plans beside its own reads; a sampler's are
         drawn for it.
     objectives
-        What a planner makes small when robots are charged differently: names of objectives, or
-        ``sum`` for all of that form; its `search` then takes `objective`. When robots are
-        charged the same, a shortest plan is a cheapest one, and every backend will do.
+        What a planner makes small beside the distance: names of objectives, or ``sum`` or
+        ``schedule`` for all of that form (`Objective.form`); its `search` then takes `objective`.
+        Where a shortest plan is a cheapest one, every backend will do.
     """
 
     kind: Literal["sampler", "planner"]
@@ -155,6 +155,9 @@ class Search:
     ----------
     routes
         The best routes, or ``None`` when none was found.
+    seats
+        Where the objective counts who makes a route, and when: for each route its robot and which
+        of that robot's trips it is, from 0.
     bound
         A valid lower bound of the cost: of the distance, unless `search` was given another
         objective (0 when nothing is known).
@@ -169,6 +172,7 @@ class Search:
     """
 
     routes: Routes | None = None
+    seats: list[tuple[int, int]] | None = None
     bound: float = 0.0
     optimal: bool = False
     infeasible: str | None = None

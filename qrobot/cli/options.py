@@ -44,7 +44,8 @@ objective = click.option(
     "--objective",
     default="distance",
     show_default=True,
-    help="What shall be small: distance, or time (seconds of all robots: driving and picks).",
+    help="What shall be small: distance; time (seconds that all robots work); makespan (until the "
+    "last is back); lateness (after due times); trips; robots; or a sum: distance=1,makespan=2.",
 )
 
 

@@ -2,7 +2,7 @@
 
 from qrobot.plan.checker import CheckReport, Problem
 from qrobot.plan.files import check, plan_of, read_plan
-from qrobot.plan.objective import OBJECTIVES, Objective
+from qrobot.plan.objective import OBJECTIVES, Objective, objective_named
 from qrobot.plan.picks import Pick, as_picked
 from qrobot.plan.plan import PLAN_SCHEMA, Plan, Trip
 
@@ -17,6 +17,7 @@ __all__ = [
     "Trip",
     "as_picked",
     "check",
+    "objective_named",
     "plan_of",
     "read_plan",
 ]

@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, Literal
 
-from qrobot.plan.objective import OBJECTIVES
+from qrobot.plan.clock import Measures, measure
+from qrobot.plan.objective import MEASURES, OBJECTIVES
 from qrobot.plan.picks import as_picked
 from qrobot.plan.plan import Plan, Trip
 from qrobot.plan.ruler import Ruler
@@ -33,6 +34,7 @@ ABSOLUTE = 1e-9
 Kind = Literal[
     "missing", "repeated", "unknown", "orders", "split", "overload", "load", "robot", "turns",
     "empty", "unreachable", "distance", "time", "total", "cost", "stock", "quantity", "routing",
+    "deadline",
 ]  # fmt: skip
 
 
@@ -49,7 +51,8 @@ class Problem:
         ``unreachable`` stop (a way that does not exist); a wrong driving ``time``; a wrong
         ``total``, or ``cost`` by the objective; more taken from a place than its ``stock``; a
         ``quantity`` of an article that is not what an order asks for; a ``routing`` that is not
-        a policy for this warehouse, or stops in a sequence that it does not take.
+        a policy for this warehouse, or stops in a sequence that it does not take; an order that
+        is back after its ``deadline``.
     text
         One sentence with the numbers.
     """
@@ -75,6 +78,8 @@ class CheckReport:
         The total distance that the checker measured; ``nan`` when it could not.
     objective, cost
         The plan's objective, and its value by the checker's own distances.
+    measures
+        What the plan comes to by every measure: metres, seconds, lateness, trips, robots.
     """
 
     problems: tuple[Problem, ...]
@@ -83,6 +88,7 @@ class CheckReport:
     distance: float = math.nan
     objective: str = "distance"
     cost: float = math.nan
+    measures: Measures | None = field(default=None, repr=False)
 
     @property
     def ok(self) -> bool:
@@ -105,6 +111,9 @@ class CheckReport:
             "distance": self.distance if math.isfinite(self.distance) else None,
             "objective": self.objective,
             "cost": self.cost if math.isfinite(self.cost) else None,
+            "measures": None
+            if self.measures is None or not math.isfinite(self.distance)
+            else {name: self.measures.value(name) for name in MEASURES},
             "problems": [{"kind": p.kind, "text": p.text} for p in self.problems],
         }
 
@@ -127,10 +136,10 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         with the stops; no load exceeds its robot's capacity (exact fractions); robots are
         known and make no more trips than they may; no trip is empty; loads, driving times,
         the distance of every trip, the total and the cost by the plan's objective are stated
-        right (relative tolerance 1e-6); every way exists; of articles with a stock no place gives
-        more than it has, and each order gets what it asks for. Under a routing policy distances
-        are those of its ways, in which the stops have their sequence. A driving time of 0 counts
-        as not stated.
+        right (relative tolerance 1e-6); every way exists; no order is back after its deadline; of
+        articles with a stock no place gives more than it has, and each order gets what it asks for.
+        Under a routing policy distances are those of its ways, in which the stops have their
+        sequence. A driving time of 0 counts as not stated.
     """
     problems = list(_stock(plan, instance))
     instance = as_picked(instance, plan.picks, with_stock=False)
@@ -144,8 +153,7 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         rule, reason = rule_of(plan.routing, instance.warehouse)
         if rule is None:
             problems.append(Problem("routing", f"the routing {plan.routing!r} {reason}"))
-    objective = OBJECTIVES[plan.objective]
-    total = cost = 0.0
+    lengths: list[float] = []
     for number, trip in enumerate(plan.trips, 1):
         stops = [stop for stop in trip.stops if stop in items]  # the others are reported above
         load = sum((items[stop].weight for stop in stops), Fraction(0))
@@ -153,14 +161,16 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         if rule is not None:
             direct, length = length, rule(items[stop].place for stop in stops)
             problems += _sequence(number, plan.routing, direct, length)
-        total += length
+        lengths.append(length)
         robot = robots.get(trip.robot)
-        picked = [items[stop] for stop in stops]
-        cost += math.nan if robot is None else objective.trip(length, robot, picked)
         both = None if both_ways is None else both_ways.trip(items[stop].place for stop in stops)
         problems += _trip(number, trip, load, length, robot, both)
         if math.isinf(length):
             problems += _forbidden(number, [items[stop] for stop in stops], ruler)
+    measures = measure(instance, plan.trips, lengths)
+    total, cost = measures.distance, _cost(plan, instance, measures, lengths)
+    if math.isfinite(total):
+        problems += _deadlines(instance, measures)
     if math.isfinite(total) and not _agree(plan.distance, total):
         problems.append(
             Problem(
@@ -178,7 +188,41 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         distance=total,
         objective=plan.objective,
         cost=cost,
+        measures=measures,
     )
+
+
+def _cost(plan: Plan, instance: Instance, measures: Measures, lengths: Sequence[float]) -> float:
+    """Return what the plan costs by its objective, ``nan`` when a robot is not known."""
+    robots = {robot.id: robot for robot in instance.robots}
+    items = {item.id: item for item in instance.items}
+    if any(trip.robot not in robots for trip in plan.trips):
+        return math.nan
+    cost = 0.0
+    for part in plan.objective.split(","):
+        name, _, weight = part.partition("=")
+        if name in MEASURES:
+            value = measures.value(name)
+        else:  # an entry of somebody's own: its prices, with the lengths measured here
+            one = OBJECTIVES[name]
+            value = one.per_robot * measures.robots
+            value += one.makespan * measures.makespan + one.lateness * measures.lateness
+            for trip, length in zip(plan.trips, lengths, strict=True):
+                picked = [items[stop] for stop in trip.stops if stop in items]
+                value += one.trip(length, robots[trip.robot], picked, instance.times)
+        cost += float(weight or 1.0) * value
+    return cost
+
+
+def _deadlines(instance: Instance, measures: Measures) -> Iterator[Problem]:
+    for order in instance.orders:
+        back = measures.back.get(order.id, 0.0)
+        if back > order.deadline and not _agree(back, order.deadline):
+            yield Problem(
+                "deadline",
+                f"order {order.id} is back after {back:.12g} s, its deadline is "
+                f"{order.deadline:.12g} s",
+            )
 
 
 def _stock(plan: Plan, instance: Instance) -> Iterator[Problem]:

@@ -1,26 +1,34 @@
-"""What a plan costs: the objective that `solve` makes small, and which robot makes which trip."""
+"""What a plan costs: the objective that `solve` makes small."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+import re
+from collections.abc import Callable, Container, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
-import numpy as np
-
-from qrobot._arrays import Floats
 from qrobot._parameters import near
 from qrobot.errors import InputError
 from qrobot.problem.entities import Item, Robot
 from qrobot.problem.instance import Instance
+from qrobot.problem.times import Times
 
-__all__ = ["DISTANCE", "OBJECTIVES", "TIME", "Objective", "assign", "cost", "objective_named"]
+__all__ = [
+    "DISTANCE",
+    "MEASURES",
+    "OBJECTIVES",
+    "TIME",
+    "Objective",
+    "objective_named",
+]
+
+Form = Literal["distance", "sum", "schedule"]
 
 
 @dataclass(frozen=True, slots=True)
 class Objective:
-    """A sum over trips: what each metre costs its robot, and what each item costs anybody.
+    """What trips, robots and time cost.
 
     Parameters
     ----------
@@ -29,46 +37,74 @@ class Objective:
     unit
         Its unit, such as ``s``; empty: that of the instance's distances.
     rate
-        What a robot pays for a metre; above zero.
+        What a robot pays for a metre; zero or more.
     handling
         What an item costs, whoever collects it; zero or more.
+    per_trip
+        What a trip costs beside its way and its items, by the instance's times.
+    per_robot
+        What a robot costs that leaves the depot at all.
+    makespan
+        What a second costs until the last robot is back.
+    lateness
+        What a second of an order after its due time costs, times its priority.
 
     Examples
     --------
-    >>> from qrobot.problem import Robot
-    >>> TIME.trip(30.0, Robot("R1", 10, speed=1.5), [])
-    20.0
+    >>> from qrobot.problem import Robot, Times
+    >>> TIME.trip(30.0, Robot("R1", 10, speed=1.5), [], Times(per_trip=5))
+    25.0
     """
 
     name: str
     unit: str
     rate: Callable[[Robot], float]
-    handling: Callable[[Item], float] = lambda _: 0.0
-    form: ClassVar[str] = "sum"
+    handling: Callable[[Times, Item], float] = lambda _times, _item: 0.0
+    per_trip: Callable[[Times], float] = lambda _: 0.0
+    per_robot: float = 0.0
+    makespan: float = 0.0
+    lateness: float = 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Functions cannot be pickled: another process finds the objective by its name.
         return objective_named, (self.name,)
 
-    def trip(self, length: float, robot: Robot, items: Iterable[Item]) -> float:
-        """Return what a trip of a length costs when a robot collects the items."""
-        return self.rate(robot) * length + math.fsum(map(self.handling, items))
+    def trip(
+        self, length: float, robot: Robot, items: Iterable[Item], times: Times | None = None
+    ) -> float:
+        """Return what a trip of a length costs, whenever a robot makes it."""
+        times = times or Times()
+        handled = math.fsum(self.handling(times, item) for item in items)
+        return self.rate(robot) * length + handled + self.per_trip(times)
 
-    def optimised_by(self, objectives: Container[str]) -> bool:
+    def form(self, instance: Instance) -> Form:
+        """Return what a plan of least cost is among all plans of an instance.
+
+        ``distance``: a shortest one. ``sum``: one of the least sum over trips, each at the rate of
+        its robot. ``schedule``: anything else, since it counts how many trips there are, who
+        makes them, or when.
+        """
+        timely = self.makespan or self.lateness or instance.has_deadlines
+        rates = {self.rate(robot) for robot in instance.robots}
+        if timely or self.per_robot or self.per_trip(instance.times) or min(rates) <= 0:
+            return "schedule"
+        return "distance" if len(rates) == 1 else "sum"
+
+    def optimised_by(self, objectives: Container[str], instance: Instance) -> bool:
         """Return whether a backend that declares these objectives can make this one small."""
-        return self.name in objectives or self.form in objectives
+        form = self.form(instance)
+        return form == "distance" or self.name in objectives or form in objectives
 
     def fixed(self, instance: Instance) -> float:
-        """Return what every plan of an instance costs beside its ways."""
-        return math.fsum(map(self.handling, instance.items))
+        """Return what every plan of an instance costs beside its trips."""
+        return math.fsum(self.handling(instance.times, item) for item in instance.items)
 
     def common_rate(self, instance: Instance) -> float | None:
-        """Return what a metre costs when it costs all robots the same, else None.
+        """Return what a metre costs where a shortest plan is a cheapest one, else None.
 
-        A shortest plan is a cheapest plan then, so any backend can optimise this objective.
+        Any backend can optimise this objective then.
         """
-        rates = {self.rate(robot) for robot in instance.robots}
-        return rates.pop() if len(rates) == 1 else None
+        return self.rate(instance.robots[0]) if self.form(instance) == "distance" else None
 
     def bound(self, instance: Instance, distance: float) -> float:
         """Return a cost that no plan is below, when none is shorter than a distance."""
@@ -82,104 +118,89 @@ TIME = Objective(
     "time",
     "s",
     rate=lambda robot: 1.0 / robot.speed,
-    handling=lambda item: item.pick_seconds,
+    handling=Times.of,
+    per_trip=lambda times: times.per_trip,
 )
-"""Working time of all robots together: driving, and collecting every item."""
+"""Working time of all robots together: driving, collecting every item, set-up of every trip."""
 
-OBJECTIVES = {objective.name: objective for objective in (DISTANCE, TIME)}
+NOTHING = Objective("nothing", "", rate=lambda _: 0.0)
+MAKESPAN = replace(NOTHING, name="makespan", unit="s", makespan=1.0)
+"""Until the last robot is back."""
+
+LATENESS = replace(NOTHING, name="lateness", unit="s", lateness=1.0)
+"""Of all orders after their due times, each times its priority."""
+
+TRIPS = replace(NOTHING, name="trips", unit="", per_trip=lambda _: 1.0)
+"""How many trips are made."""
+
+ROBOTS = replace(NOTHING, name="robots", unit="", per_robot=1.0)
+"""How many robots leave the depot."""
+
+OBJECTIVES = {
+    objective.name: objective for objective in (DISTANCE, TIME, MAKESPAN, LATENESS, TRIPS, ROBOTS)
+}
 """By name; another one is one more entry."""
+
+MEASURES = tuple(OBJECTIVES)
+"""What weighted sums are made of, beside entries of others."""
+
+MAX_WEIGHT = 1e9
+WEIGHT = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
 def objective_named(name: str, *, field: str = "objective") -> Objective:
-    """Return an objective by name.
+    """Return an objective by name, or a weighted sum of several.
+
+    Parameters
+    ----------
+    name
+        A key of `OBJECTIVES`, or such as ``distance=1,makespan=2.5``: metres and seconds are added
+        as they are, so a weight says what one of them is worth.
+    field
+        What errors call it.
 
     Raises
     ------
     InputError
-        When no objective has that name.
+        When no objective has that name, or a weight is not a number above zero.
     """
+    if "=" not in name:
+        return _one(name, field)
+    parts: dict[str, float] = {}
+    for part in name.split(","):
+        known, _, text = (word.strip() for word in part.partition("="))
+        weight = float(text) if WEIGHT.fullmatch(text) else math.nan
+        if not 0 < weight <= MAX_WEIGHT or known in parts:
+            twice = known in parts
+            raise InputError(
+                f"{known!r} stands twice" if twice else f"{text!r} is not a weight above 0",
+                field=field,
+                advice="give each once, such as distance=1,makespan=2",
+            )
+        parts[_one(known, field).name] = weight
+    return _sum(parts)
+
+
+def _one(name: str, field: str) -> Objective:
     if name in OBJECTIVES:
         return OBJECTIVES[name]
     meant = near(str(name), OBJECTIVES)
-    advice = f"{meant} use one of: {', '.join(OBJECTIVES)}".lstrip()
+    advice = (
+        f"{meant} use one of: {', '.join(OBJECTIVES)}; or a sum such as distance=1,makespan=2"
+    ).lstrip()
     raise InputError(f"{name!r} is not an objective", field=field, advice=advice)
 
 
-def cost(instance: Instance, routes: Sequence[Sequence[int]], objective: Objective) -> float:
-    """Return what routes cost when each is made by the robot that `assign` gives it."""
-    if (rate := objective.common_rate(instance)) is not None:
-        return rate * instance.length(routes) + objective.fixed(instance)
-    ways = math.fsum(
-        objective.rate(instance.robots[r]) * instance.route_length(route)
-        for (r, _), route in zip(assign(instance, routes, objective), routes, strict=True)
+def _sum(parts: Mapping[str, float]) -> Objective:
+    """Return the sum of objectives, each times its weight."""
+    terms = [(OBJECTIVES[name], weight) for name, weight in parts.items()]
+    return Objective(
+        ",".join(f"{name}={weight:.12g}" for name, weight in parts.items()),
+        "",
+        rate=lambda robot: math.fsum(w * one.rate(robot) for one, w in terms),
+        handling=lambda times, item: math.fsum(w * one.handling(times, item) for one, w in terms),
+        per_trip=lambda times: math.fsum(w * one.per_trip(times) for one, w in terms),
+        per_robot=math.fsum(w * one.per_robot for one, w in terms),
+        makespan=math.fsum(w * one.makespan for one, w in terms),
+        lateness=math.fsum(w * one.lateness for one, w in terms),
     )
-    return ways + objective.fixed(instance)
-
-
-def assign(
-    instance: Instance, routes: Sequence[Sequence[int]], objective: Objective
-) -> list[tuple[int, int]]:
-    """Return for each route the robot (its index) and turn at which all together cost least.
-
-    Raises
-    ------
-    ValueError
-        When the robots cannot carry the routes.
-    """
-    loads = [sum(int(instance.weights[v - 1]) for v in route) for route in routes]
-    seats = [
-        (r, turn)
-        for r, robot in enumerate(instance.robots)
-        for turn in range(min(robot.trips, len(routes)))
-    ]
-    robots = [r for r, _ in seats]
-    rates = np.array([objective.rate(instance.robots[r]) for r in robots])
-    rooms = instance.capacities[robots]
-    costs = np.array(
-        [
-            np.where(rooms >= load, rates * instance.route_length(route), np.inf)
-            for load, route in zip(loads, routes, strict=True)
-        ]
-    ).reshape(len(routes), len(seats))
-    return [seats[column] for column in _cheapest(costs)]
-
-
-def _cheapest(costs: Floats) -> list[int]:
-    """Return a column for each row, all different, of the least sum (Kuhn 1955).
-
-    Rows are added one at a time, each along a shortest path of changes under prices of rows
-    and columns, which keep all reduced costs at zero or above.
-    """
-    rows, columns = costs.shape
-    row_of = np.full(columns, -1)
-    row_price, column_price = np.zeros(rows), np.zeros(columns)
-    for row in range(rows):
-        length = np.full(columns, np.inf)
-        before = np.full(columns, -1)
-        done = np.zeros(columns, dtype=bool)
-        at, last, so_far = row, -1, 0.0
-        while True:
-            step = so_far + costs[at] - row_price[at] - column_price
-            better = ~done & (step < length)
-            length[better], before[better] = step[better], last
-            open_ = np.where(done, np.inf, length)
-            if not columns or not np.isfinite(open_).any():
-                raise ValueError(f"{rows} trips do not fit the robots")
-            last = int(open_.argmin())
-            so_far = float(open_[last])
-            done[last] = True
-            if row_of[last] < 0:
-                break
-            at = int(row_of[last])
-        row_price[row] += so_far
-        for column in np.flatnonzero(done):
-            change = so_far - length[column]
-            column_price[column] -= change
-            if row_of[column] >= 0:
-                row_price[row_of[column]] += change
-        while last >= 0:  # change the path's columns, from its end
-            earlier = int(before[last])
-            row_of[last] = row_of[earlier] if earlier >= 0 else row
-            last = earlier
-    column_of = {int(r): column for column, r in enumerate(row_of) if r >= 0}
-    return [column_of[row] for row in range(rows)]

@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
 from qrobot.errors import InputError
-from qrobot.plan.dealing import deal
-from qrobot.plan.objective import DISTANCE, Objective, assign, cost, objective_named
+from qrobot.plan.dealing import Seats, assign, cost
+from qrobot.plan.objective import DISTANCE, Objective, objective_named
 from qrobot.plan.picks import Pick, picks_of
 from qrobot.problem.checks import canonical
 from qrobot.problem.entities import Robot
@@ -134,6 +134,7 @@ class Plan:
         instance: Instance,
         routes: Sequence[Sequence[int]],
         objective: Objective = DISTANCE,
+        seats: Seats | None = None,
     ) -> Plan:
         """Make a plan from routes of nodes.
 
@@ -143,18 +144,14 @@ class Plan:
             The question.
         routes
             For each trip its nodes (item index + 1) in sequence; empty ones are dropped.
-            The longest are dealt first, each to the robot that is back from it first; where
-            the objective charges robots differently, every trip to the robot at which all
-            together cost least.
         objective
             What the plan costs.
+        seats
+            Who makes each trip, and as which of its own; by default as `dealing.assign` says.
         """
         kept = [[int(v) for v in route] for route in routes if len(route)]
-        seats = (
-            deal(instance, kept)
-            if objective.common_rate(instance) is not None
-            else assign(instance, kept, objective)
-        )
+        if seats is None:
+            seats = assign(instance, kept, objective)
         trips = [
             (seat, _trip(instance, route, instance.robots[seat[0]]))
             for seat, route in zip(seats, kept, strict=True)
@@ -166,7 +163,7 @@ class Plan:
             instance=instance.name,
             split=instance.split,
             objective=objective.name,
-            value=None if objective is DISTANCE else cost(instance, kept, objective),
+            value=None if objective is DISTANCE else cost(instance, kept, objective, seats),
             picks=picks_of(instance),
             routing=instance.routing,
         )

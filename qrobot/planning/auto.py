@@ -20,6 +20,7 @@ from qrobot.backends.classical.generation import can_generate, count_of_batches,
 from qrobot.backends.registry import get_planner
 from qrobot.planning.bounding import begin_bound, share_of, time_to_search
 from qrobot.planning.crew import Crew, spare_cores
+from qrobot.planning.dispatching import dispatch
 from qrobot.planning.run import Run
 from qrobot.planning.strategy import Strategy
 from qrobot.problem import Instance
@@ -61,10 +62,13 @@ class AutoPlanner(Strategy):
     """The best plan that the installed software and the deadline allow."""
 
     name = "auto"
-    capabilities = Capabilities(kind="planner", proves=True, objectives=("sum",))
+    capabilities = Capabilities(kind="planner", proves=True, objectives=("sum", "schedule"))
 
     def plan(self, run: Run) -> None:
         """Prove what is small, search and prove what can be enumerated, search the rest."""
+        if run.best.objective.form(run.instance) == "schedule":
+            dispatch(run, self)
+            return
         exact, few = ExactPlanner(), len(run.instance.orders) <= MAX_ELEMENTS
         if exact.at_once(run.instance):
             run.plan(exact, run.stop)

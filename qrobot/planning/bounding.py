@@ -78,7 +78,7 @@ def time_to_search(run: Run) -> Stop:
         # How long the check of such a plan takes here and now.
         routes = run.best.routes or run.instance.first_routes() or []
         begun = time.perf_counter()
-        check(Plan.from_routes(run.instance, routes, run.best.objective), run.instance)
+        check(Plan.from_routes(run.instance, routes), run.instance)
         run.check_seconds = CHECKS * (time.perf_counter() - begun)
         kept += run.check_seconds
     if getattr(run.instance.warehouse, "is_one_way", False):

@@ -13,7 +13,7 @@ from qrobot._files import write_text_atomic
 from qrobot._json import json_text
 from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
-from qrobot.plan import OBJECTIVES, Plan
+from qrobot.plan import Plan, objective_named
 from qrobot.plan.plan import TABLE_HEADS
 from qrobot.problem import Instance
 
@@ -238,7 +238,7 @@ class Result:
         """Return the cost with its name, and the distance beside another objective."""
         if self.objective == "distance":
             return f"distance {number(self.cost)}"
-        unit = f" {OBJECTIVES[self.objective].unit}".rstrip()
+        unit = f" {objective_named(self.objective).unit}".rstrip()
         return f"{self.objective} {number(self.cost)}{unit} (distance {number(self.plan.distance)})"
 
     @property

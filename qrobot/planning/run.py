@@ -15,7 +15,8 @@ from qrobot._arrays import Floats
 from qrobot.backends import Planner, Routes, Search, Stop
 from qrobot.backends.base import OnBest, PlanReads
 from qrobot.errors import BackendError, QRobotError
-from qrobot.plan.objective import DISTANCE, Objective, cost
+from qrobot.plan.dealing import Seats, assign, cost
+from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
 
@@ -72,27 +73,54 @@ class Best:
         # One rate for all robots: a shortest plan is a cheapest, so distances are compared.
         self.by_distance = objective.common_rate(instance) is not None
         self.routes: Routes | None = None
+        self.seats: Seats | None = None  # where it matters who makes which trip, and when
         self.cost = self.length = float("inf")
         self.bound = 0.0
         self.proven = False
         self._on_best = on_best
 
-    def offer(self, routes: Sequence[Sequence[int]], _cost: float | None = None) -> None:
-        """Keep routes when they are valid and better: cheaper, or as cheap with fewer trips."""
+    def offer(
+        self,
+        routes: Sequence[Sequence[int]],
+        _cost: float | None = None,
+        *,
+        seats: Seats | None = None,
+    ) -> None:
+        """Keep routes when they are valid and better: cheaper, or as cheap with fewer trips.
+
+        Where metres are not all that counts, of plans of one cost the shorter is better.
+        `seats` say who makes each route, in which sequence; by default `dealing.assign` does.
+        """
         kept = [[int(v) for v in route] for route in routes if len(route)]
         if not plan_fits(self.instance, kept):
             return
         length = self.instance.length(kept)
         if math.isinf(length):
             return  # it takes a forbidden way
-        value = length if self.by_distance else cost(self.instance, kept, self.objective)
-        slack = TIE * max(abs(value), 1e-300)
-        better = self.routes is None or value < self.cost - slack
-        fewer = not better and value <= self.cost + slack and len(kept) < len(self.routes or [])
-        if better or fewer:
-            self.routes, self.cost, self.length = kept, value, length
+        if self.by_distance:
+            value, seats = length, None
+        else:
+            seats = seats or assign(self.instance, kept, self.objective)
+            value = cost(self.instance, kept, self.objective, seats)
+            if math.isinf(value):
+                return  # it is back after a deadline
+        if self.routes is None or self._is_better(value, length, len(kept)):
+            self.routes, self.seats, self.cost, self.length = kept, seats, value, length
             if self._on_best is not None:
                 self._on_best(kept, length)
+
+    def _is_better(self, value: float, length: float, trips: int) -> bool:
+        """Return whether a plan is better than the one that is kept."""
+        pairs = (
+            [(value, self.cost)]
+            if self.by_distance
+            else [(value, self.cost), (length, self.length)]
+        )
+        for new, old in pairs:
+            slack = TIE * max(abs(new), 1e-300)
+            if new < old - slack or new > old + slack:
+                return new < old
+        return trips < len(self.routes or [])
 
     def raise_bound(self, distance: float) -> None:
         """Keep a larger bound of distances; whole distances lift it to the next whole number.
@@ -119,7 +147,7 @@ class Best:
 
     def aim(self, planner: Planner) -> dict[str, Any]:
         """Return the objective as an argument of `search`, where a planner must be told."""
-        able = self.objective.optimised_by(planner.capabilities.objectives)
+        able = self.objective.optimised_by(planner.capabilities.objectives, self.instance)
         return {"objective": self.objective} if able and not self.by_distance else {}
 
     @property
@@ -256,7 +284,7 @@ class Run:
         work = self.record.work
         work[planner.name] = work.get(planner.name, 0) + found.work
         if found.routes is not None:
-            best.offer(found.routes)
+            best.offer(found.routes, seats=found.seats)
         if found.infeasible is not None and best.routes is None:
             self.infeasible = found.infeasible
         best.take_bound(found, aim)

@@ -91,8 +91,9 @@ def solve(
         Local backend (or ``auto``) that answers when the other one fails; the result's notes
         say so, and `Result.answered_by`. It shares the deadline.
     objective
-        What shall be small: ``distance``, or ``time``, the seconds that all robots together
-        drive and collect.
+        What shall be small: ``distance``; ``time``, the seconds that all robots together work;
+        ``makespan``, until the last robot is back; ``lateness`` of orders after their due times;
+        ``trips``; ``robots``; or a weighted sum such as ``distance=1,makespan=2``.
     routing
         How trips are walked: ``exact``, by shortest tours, or by a policy: ``s-shape``,
         ``return``, ``midpoint`` (these in one block), ``largest-gap``, ``combined`` or
@@ -274,14 +275,19 @@ def check_objective(strategy: Strategy, objective: Objective, instance: Instance
     """Refuse a backend that would make something else small."""
     if objective.common_rate(instance) is not None:
         return
-    if not objective.optimised_by(strategy.capabilities.objectives):
+    if not objective.optimised_by(strategy.capabilities.objectives, instance):
         able = [
             name
             for name in ["auto", *names()]
-            if available(name) and objective.optimised_by(capabilities(name).objectives)
+            if available(name) and objective.optimised_by(capabilities(name).objectives, instance)
         ]
+        why = {
+            "sum": "with unlike robots",
+            "schedule": "with deadlines" if instance.has_deadlines else "of trips in sequence",
+        }
         raise InputError(
-            f"backend {strategy.name} cannot optimise {objective.name} with unlike robots",
+            f"backend {strategy.name} cannot optimise {objective.name} "
+            f"{why[objective.form(instance)]}",
             field="objective",
             advice=f"use one of: {', '.join(able)}",
         )
@@ -314,7 +320,7 @@ def result_of(run: Run, backend: str) -> Result:
         raise InfeasibleError(_no_plan(run), proven=False)
     proven = run.finished
     routes = run.instance.in_sequence(best.routes)
-    plan = Plan.from_routes(run.instance, routes, best.objective)
+    plan = Plan.from_routes(run.instance, routes, best.objective, best.seats)
     with run.timed("check"):
         report = check(plan, run.instance)
     if not report.ok:

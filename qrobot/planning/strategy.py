@@ -95,6 +95,7 @@ class Strategy:
         self.plan(run)
         return Search(
             routes=run.best.routes,
+            seats=run.best.seats,
             bound=run.best.as_cost(run.best.bound),
             optimal=run.finished and run.infeasible is None,
             infeasible=run.infeasible,

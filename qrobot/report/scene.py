@@ -15,7 +15,7 @@ from qrobot._files import StrPath
 from qrobot._numbers import number
 from qrobot._text import count, shown
 from qrobot.errors import InputError
-from qrobot.plan import OBJECTIVES, Plan, Trip, as_picked, check, plan_of
+from qrobot.plan import Plan, Trip, as_picked, check, objective_named, plan_of
 from qrobot.problem import AisleWarehouse, Instance, Item, Place, Robot, Slot, Warehouse
 from qrobot.problem.formats import instance_of
 from qrobot.report.lanes import XY
@@ -229,7 +229,7 @@ def _cost(plan: Plan, unit: str) -> str:
     """Return the distance, or what the plan costs by another objective, with its unit."""
     if plan.objective == "distance":
         return f"{number(plan.distance)}{unit}"
-    return f"{plan.objective} {number(plan.cost)} {OBJECTIVES[plan.objective].unit}".rstrip()
+    return f"{plan.objective} {number(plan.cost)} {objective_named(plan.objective).unit}".rstrip()
 
 
 def _unit(instance: Instance) -> str:

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from qrobot.plan.dealing import deal
-from qrobot.plan.objective import _cheapest
+from qrobot.plan.dealing import _cheapest, deal
 from qrobot.problem import Instance, Item, OpenFloor, Order, Point, Robot
 
 PRICES = st.one_of(st.integers(0, 9).map(float), st.floats(0, 100), st.just(float("inf")))

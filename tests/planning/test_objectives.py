@@ -260,7 +260,10 @@ def test_another_objective_is_one_entry(
 ) -> None:
     """What the drives of the robots take: a joule or five for a metre, two for a stop."""
     energy = Objective(
-        "energy", "J", rate=lambda r: 5.0 if r.id == "fast" else 1.0, handling=lambda _: 2.0
+        "energy",
+        "J",
+        rate=lambda r: 5.0 if r.id == "fast" else 1.0,
+        handling=lambda _times, _item: 2.0,
     )
     monkeypatch.setitem(OBJECTIVES, "energy", energy)
     result = qrobot.solve(cart_and_lift, backend="exact", objective="energy", deadline=5)

@@ -12,6 +12,7 @@ from qrobot.problem import Instance
 
 __all__ = [
     "fewest_trips",
+    "least_trips",
     "most_trips",
     "quick_bound",
     "radial_bound",
@@ -97,6 +98,17 @@ def radial_bound(instance: Instance) -> float:
     """
     if not instance.orders:
         return 0.0
+    reach = least_trips(instance)
+    farthest_first = np.argsort(-reach, kind="stable")
+    steps = -np.diff(reach[farthest_first], append=0.0)
+    return float(steps @ _trips_for(instance, farthest_first))
+
+
+def least_trips(instance: Instance) -> Floats:
+    """Return for each order a length that no trip which collects it is below, metres.
+
+    The way out to its farthest stop and back, over any places.
+    """
     d = instance.stop_distances
     if instance.warehouse.is_metric:
         away = d[0, 1:] + d[1:, 0]
@@ -105,9 +117,7 @@ def radial_bound(instance: Instance) -> float:
     owner = instance.order_of_node[[nodes[0] for nodes in instance.stops]]
     reach = np.zeros(len(instance.orders))
     np.maximum.at(reach, owner, away)
-    farthest_first = np.argsort(-reach, kind="stable")
-    steps = -np.diff(reach[farthest_first], append=0.0)
-    return float(steps @ _trips_for(instance, farthest_first))
+    return reach
 
 
 def _from_depot(d: Floats) -> Floats:

@@ -12,7 +12,7 @@ from qrobot.backends.classical.aisles import compiled_soon, takes
 from qrobot.backends.classical.batching.tour import improve_tour, tour_length
 from qrobot.problem import Instance
 
-__all__ = ["Lots", "Tours", "fits_surely", "packed", "tours_of"]
+__all__ = ["Lots", "StopTours", "Tours", "fits_surely", "packed", "tours_of"]
 
 PROMISING = 25
 """Lots whose common tour with another one is looked for, where no kernel finds it."""

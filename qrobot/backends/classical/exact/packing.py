@@ -10,7 +10,7 @@ from qrobot.errors import MissingExtraError
 from qrobot.problem import Instance
 from qrobot.problem.fleets import what_is_enough
 
-__all__ = ["no_packing", "no_way", "pack"]
+__all__ = ["no_packing", "no_schedule", "no_way", "pack"]
 
 MAX_BINARIES = 100_000
 
@@ -75,6 +75,18 @@ def no_packing(instance: Instance) -> str:
         f"the {len(instance.orders)} orders (total load {instance.weights.sum() * unit:.12g}) "
         f"cannot be packed into {len(capacities)} trips of at most {' / '.join(sizes)} each: "
         f"every split was tried; {what_is_enough(instance)}"
+    )
+
+
+def no_schedule(instance: Instance) -> str:
+    """Return the sentence that says that every schedule was tried."""
+    if not instance.has_deadlines:
+        return no_packing(instance)
+    first = min(instance.orders, key=lambda order: order.deadline)
+    return (
+        f"no schedule of {len(instance.robots)} robots keeps all deadlines (the first: order "
+        f"{first.id} at {first.deadline:.12g} s): every one was tried; give more time, more robots "
+        "(--robots) or due times, which may be missed"
     )
 
 

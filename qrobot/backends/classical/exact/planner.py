@@ -14,11 +14,13 @@ from qrobot.backends.classical.aisles import compiled_soon
 from qrobot.backends.classical.batching import BatchingPlanner
 from qrobot.backends.classical.exact.columns import MAX_ENTRIES, Columns, check_size, columns_of
 from qrobot.backends.classical.exact.cover import cheapest_cover, lagrangian
-from qrobot.backends.classical.exact.packing import no_packing, no_way
+from qrobot.backends.classical.exact.packing import no_packing, no_schedule, no_way
 from qrobot.backends.classical.exact.partition import MAX_ELEMENTS, best_split
+from qrobot.backends.classical.exact.scheduling import MOST_STEPS, best_schedule, steps_of
 from qrobot.backends.classical.generation import MOST_ORDERS, can_generate, generate
 from qrobot.backends.classical.whole import whole_costs
 from qrobot.errors import BackendError
+from qrobot.plan.dealing import cost
 from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.problem import Instance
 
@@ -53,13 +55,25 @@ class ExactPlanner:
     """
 
     name = "exact"
-    capabilities = Capabilities(kind="planner", proves=True, max_size=50, objectives=("sum",))
+    capabilities = Capabilities(
+        kind="planner", proves=True, max_size=50, objectives=("sum", "schedule")
+    )
 
     def fits(self, instance: Instance, stop: Stop | None = None) -> bool:
         """Return whether the instance is small enough, for the time until `stop`."""
         if can_generate(instance) and compiled_soon(stop or Stop()):
             return True
         if instance.routing != "exact":
+            return False
+        try:
+            check_size(instance)
+        except BackendError:
+            return False
+        return True
+
+    def schedules(self, instance: Instance) -> bool:
+        """Return whether the best schedule is proven in some seconds."""
+        if steps_of(instance) > MOST_STEPS or instance.routing != "exact":
             return False
         try:
             check_size(instance)
@@ -92,13 +106,17 @@ class ExactPlanner:
         ------
         BackendError
             When the instance has too many sets of orders that fit on one robot, or more than
-            13 orders and an objective that charges robots differently.
+            13 orders and an objective that charges robots differently, or some 9 and one that
+            counts when trips are made.
         MissingExtraError
             When more than 13 orders need CP-SAT and it is not installed.
         """
         if not instance.orders:
             return Search(routes=[], optimal=True)
-        if objective.common_rate(instance) is None:
+        form = objective.form(instance)
+        if form == "schedule":
+            return _scheduled(instance, objective, stop, start)
+        if form == "sum":
             return _charged(instance, objective, stop, start)
         if not self.at_once(instance) and can_generate(instance) and compiled_soon(stop):
             return generate(instance, stop, seed, start, on_best)
@@ -171,6 +189,30 @@ def _charged(instance: Instance, objective: Objective, stop: Stop, start: Routes
         return Search(routes=start, infeasible=no_packing(instance) if proven else None, work=work)
     bound += objective.fixed(instance)
     return Search(routes=routes, bound=bound, optimal=proven, work=work)
+
+
+def _scheduled(
+    instance: Instance, objective: Objective, stop: Stop, start: Routes | None
+) -> Search:
+    """Search by labels where it counts how many trips there are, who makes them, or when."""
+    check_size(instance)
+    orders = len(instance.orders)
+    if steps_of(instance) > MOST_STEPS:
+        raise BackendError(
+            f"backend exact proves schedules of about 9 orders; {orders} orders and "
+            f"{len(instance.robots)} robots are too many to prove the least {objective.name}: use "
+            "backend auto"
+        )
+    columns = columns_of(instance, stop)
+    if columns is None:
+        return Search(routes=start)
+    found, proven = best_schedule(instance, columns, objective, stop)
+    work = len(columns.masks)
+    if found is None:
+        reason = no_schedule(instance) if proven else None
+        return Search(routes=start, infeasible=reason, work=work)
+    value = cost(instance, found.routes, objective, found.seats)
+    return Search(found.routes, found.seats, bound=value, optimal=proven, work=work)
 
 
 def _split(

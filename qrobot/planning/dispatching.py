@@ -1,0 +1,383 @@
+"""Plans where it counts how many trips there are, who makes them, and when.
+
+A few orders are proven by `exact`. Otherwise a plan of short trips comes first, by the usual
+search; then orders and whole trips are moved between trips, robots and turns (simulated
+annealing, Kirkpatrick et al. 1983), with the tour of each new trip looked up or found once.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from qrobot._arrays import Ints
+from qrobot.backends import Routes, Stop
+from qrobot.backends.classical.batching.batch_tours import Batch, BatchTours
+from qrobot.backends.classical.exact import ExactPlanner
+from qrobot.plan.dealing import Seats, assign, cost_of_robot
+from qrobot.plan.objective import DISTANCE
+from qrobot.planning.bounding import share_of
+from qrobot.planning.bounds import fewest_trips, least_trips
+from qrobot.planning.run import Run
+from qrobot.planning.strategy import Strategy
+from qrobot.problem import Instance
+
+__all__ = ["dispatch", "schedule_bound"]
+
+SHORT_SHARE = 0.4
+"""Of the time, for a plan of short trips."""
+
+KEPT_SECONDS, KEPT_SHARE = 0.3, 0.05
+"""Time kept back for the routes and the check of the plan, at most."""
+
+WARM, COLD = 0.3, 1e-4
+"""Share of a trip's usual cost that a move may lose, at first and at last."""
+
+MOVES = 200
+"""Moves between two looks at the clock, and to a unit of work."""
+
+SPREAD = 0.2
+"""Of the makespan's weight, for the mean of all robots: moves that free another robot's time are
+of use too, though the last one is not back sooner."""
+
+NEIGHBOURS = 12
+"""Orders that lie nearest, beside which an order is tried."""
+
+Rounds = list[list[Batch]]
+"""For each robot its trips in sequence, as orders."""
+
+
+def dispatch(run: Run, short: Strategy) -> None:
+    """Find a plan, proven where there are few orders.
+
+    Parameters
+    ----------
+    run
+        Its objective is of the form ``schedule``.
+    short
+        What finds a plan of short trips.
+    """
+    exact = ExactPlanner()
+    if exact.schedules(run.instance):
+        run.plan(exact, run.stop)
+        if run.finished:
+            return
+    # Without deadlines a plan of the least distance is looked for; whether it keeps them, and who
+    # makes its trips, comes after.
+    orders = tuple(replace(order, deadline=math.inf) for order in run.instance.orders)
+    relaxed = replace(run.instance, orders=orders)
+    left = run.stop.remaining
+    stop = share_of(run.stop, SHORT_SHARE, math.inf)
+    inner = Run(
+        relaxed, stop, run.seed, objective=DISTANCE, on_best=lambda found, _: run.best.offer(found)
+    )
+    with run.timed("run"):
+        short.plan(inner)
+    run.record.steps += [step for step in inner.record.steps if step not in run.record.steps]
+    run.record.work.update(inner.record.work)
+    if inner.infeasible is not None:
+        run.infeasible = inner.infeasible
+        return
+    if inner.best.routes is None:
+        return
+    least = inner.best.length if inner.finished else inner.best.bound
+    run.best.bound = max(run.best.bound, schedule_bound(run, least))
+    run.tell()
+    if run.finished:
+        return
+    run.begin("dispatching")
+    kept = min(KEPT_SHARE * left, KEPT_SECONDS) if math.isfinite(left) else 0.0
+    stop = run.stop.within(max(run.stop.remaining - kept, 0.0)) if kept else run.stop
+    with run.timed("run"):
+        search = _Search(run, inner.best.routes)
+        search.anneal(stop)
+    run.record.work["dispatching"] = search.moves // MOVES
+    if run.best.routes is None:
+        run.record.notes.append(
+            f"no plan was found that keeps all deadlines: {search.missed:.12g} s are missed in the "
+            "best one"
+        )
+
+
+class _Search:
+    """Simulated annealing over who collects which orders, on which of its trips."""
+
+    def __init__(self, run: Run, routes: list[list[int]]) -> None:
+        self.run, self.instance, self.objective = run, run.instance, run.best.objective
+        instance = self.instance
+        self.random = random.Random(run.seed)  # noqa: S311 - no secret
+        self.tours = BatchTours(instance, run.stop)
+        self.weights = [int(w) for w in instance.order_weights]
+        self.rooms = [int(c) for c in instance.capacities]
+        self.near = _nearest(instance)
+        self.rounds: Rounds = [[] for _ in instance.robots]
+        owner = instance.order_of_node
+        best = run.best
+        start = routes if best.routes is None else best.routes
+        seats = best.seats if best.seats is not None else assign(instance, start, self.objective)
+        for (r, _), route in sorted(zip(seats, start, strict=True)):
+            batch = tuple(sorted({int(owner[v]) for v in route}))
+            self.rounds[r].append(batch)
+            self.tours.keep(batch, list(route))
+        # A second after a deadline costs more than a whole plan may.
+        self.price_of_missing = 0.0
+        parts = [self._of_robot(r, trips) for r, trips in enumerate(self.rounds)]
+        usual = sum(value for value, _ in parts) + self.objective.makespan * max(
+            (ends for _, ends in parts), default=0.0
+        )
+        self.usual = max(usual / max(len(start), 1), 1e-9)
+        self.price_of_missing = 10.0 * max(usual, 1.0)
+        self.parts = [self._of_robot(r, trips) for r, trips in enumerate(self.rounds)]
+        self.energy = self._energy(self.parts)
+        self.best_value = self._value(self.parts)
+        self.best_rounds = [list(trips) for trips in self.rounds]
+        self.fresh = best.routes is None
+        self.moves = 0
+
+    # -- what plans cost ----------------------------------------------------------------------
+
+    def _of_robot(self, r: int, trips: list[Batch]) -> tuple[float, float]:
+        timed = [self.tours.timed(batch) for batch in trips]
+        return cost_of_robot(self.instance, self.objective, r, timed, self.price_of_missing)
+
+    def _value(self, parts: list[tuple[float, float]]) -> float:
+        last = max(ends for _, ends in parts)
+        return sum(value for value, _ in parts) + self.objective.makespan * last
+
+    def _energy(self, parts: list[tuple[float, float]]) -> float:
+        mean = sum(ends for _, ends in parts) / len(parts)
+        return self._value(parts) + SPREAD * self.objective.makespan * mean
+
+    @property
+    def missed(self) -> float:
+        """Seconds after deadlines in the best plan, about."""
+        return self.best_value / self.price_of_missing
+
+    # -- moves --------------------------------------------------------------------------------
+
+    def anneal(self, stop: Stop) -> None:
+        """Move until `stop`, ever more careful."""
+        begun, whole = stop.elapsed, stop.remaining
+        while not stop(self.moves // MOVES):
+            if stop.max_work is not None:
+                done = self.moves / MOVES / stop.max_work
+            else:
+                done = (stop.elapsed - begun) / whole
+            warmth = self.usual * WARM * (COLD / WARM) ** min(done, 1.0)
+            for _ in range(MOVES):
+                self._move(warmth)
+            self.moves += MOVES
+            self._offer()
+        self.fresh = True
+        self._offer()
+
+    def _move(self, warmth: float) -> None:
+        """Try one change; keep it when it is better, or by chance."""
+        draw = self.random.random()
+        if draw < 0.5:
+            changed = self._relocate()
+        elif draw < 0.75:
+            changed = self._exchange()
+        else:
+            changed = self._shift_trip()
+        if changed is None:
+            return
+        parts = list(self.parts)
+        for r, trips in changed.items():
+            if len(trips) > self.instance.robots[r].trips:
+                return
+            parts[r] = self._of_robot(r, trips)
+        energy = self._energy(parts)
+        worse = energy - self.energy
+        if worse > 0 and self.random.random() >= math.exp(-worse / warmth):
+            return
+        for r, trips in changed.items():
+            self.rounds[r] = trips
+        self.parts, self.energy = parts, energy
+        if (value := self._value(parts)) < self.best_value * (1 - 1e-12):
+            self.best_value = value
+            self.best_rounds = [list(trips) for trips in self.rounds]
+            self.fresh = True
+
+    def _pick(self) -> tuple[int, int] | None:
+        """Return a robot and one of its trips; often the robot that is back last."""
+        used = [r for r, trips in enumerate(self.rounds) if trips]
+        if not used:
+            return None
+        if self.objective.makespan and self.random.random() < 0.5:
+            r = max(used, key=lambda r: self.parts[r][1])
+        else:
+            r = self.random.choice(used)
+        return r, self.random.randrange(len(self.rounds[r]))
+
+    def _find(self, order: int) -> tuple[int, int]:
+        for r, trips in enumerate(self.rounds):
+            for t, batch in enumerate(trips):
+                if order in batch:
+                    return r, t
+        raise AssertionError(order)
+
+    def _beside(self, order: int, source: tuple[int, int]) -> tuple[int, int] | None:
+        """Return another trip, of a neighbour of an order or any."""
+        if self.near.shape[1] and self.random.random() < 0.8:
+            target = self._find(int(self.near[order, self.random.randrange(self.near.shape[1])]))
+        else:
+            picked = self._pick()
+            if picked is None:
+                return None
+            target = picked
+        return None if target == source else target
+
+    def _changed(self, changes: dict[tuple[int, int], Batch]) -> dict[int, list[Batch]]:
+        """Return the trips of the robots whose trips change; empty trips go."""
+        found: dict[int, list[Batch]] = {}
+        for (r, t), batch in changes.items():
+            found.setdefault(r, list(self.rounds[r]))[t] = batch
+        return {r: [batch for batch in trips if batch] for r, trips in found.items()}
+
+    def _load(self, batch: Batch) -> int:
+        return sum(self.weights[o] for o in batch)
+
+    def _relocate(self) -> dict[int, list[Batch]] | None:
+        """Move an order to another trip, or to one of its own."""
+        source = self._pick()
+        if source is None:
+            return None
+        r, t = source
+        batch = self.rounds[r][t]
+        order = self.random.choice(batch)
+        rest = tuple(o for o in batch if o != order)
+        if rest and self.random.random() < 0.1:
+            to = self.random.randrange(len(self.rounds))
+            if self.weights[order] > self.rooms[to]:
+                return None
+            found = self._changed({source: rest})
+            trips = found.setdefault(to, list(self.rounds[to]))
+            trips.insert(self.random.randint(0, len(trips)), (order,))
+            return found
+        target = self._beside(order, source)
+        if target is None:
+            return None
+        joined = tuple(sorted((*self.rounds[target[0]][target[1]], order)))
+        if self._load(joined) > self.rooms[target[0]]:
+            return None
+        return self._changed({source: rest, target: joined})
+
+    def _exchange(self) -> dict[int, list[Batch]] | None:
+        """Exchange two orders of two trips."""
+        source = self._pick()
+        if source is None:
+            return None
+        batch = self.rounds[source[0]][source[1]]
+        order = self.random.choice(batch)
+        target = self._beside(order, source)
+        if target is None:
+            return None
+        others = self.rounds[target[0]][target[1]]
+        other = self.random.choice(others)
+        mine = tuple(sorted((*(o for o in batch if o != order), other)))
+        theirs = tuple(sorted((*(o for o in others if o != other), order)))
+        if self._load(mine) > self.rooms[source[0]] or self._load(theirs) > self.rooms[target[0]]:
+            return None
+        return self._changed({source: mine, target: theirs})
+
+    def _shift_trip(self) -> dict[int, list[Batch]] | None:
+        """Give a trip to another turn or robot, or exchange two trips."""
+        source = self._pick()
+        if source is None:
+            return None
+        r, t = source
+        batch = self.rounds[r][t]
+        if self.random.random() < 0.5:
+            target = self._pick()
+            if target is None or target == source:
+                return None
+            other = self.rounds[target[0]][target[1]]
+            if self._load(batch) > self.rooms[target[0]] or self._load(other) > self.rooms[r]:
+                return None
+            return self._changed({source: other, target: batch})
+        to = self.random.randrange(len(self.rounds))
+        if self._load(batch) > self.rooms[to]:
+            return None
+        found = self._changed({source: ()})
+        trips = found.setdefault(to, list(self.rounds[to]))
+        trips.insert(self.random.randint(0, len(trips)), batch)
+        return found
+
+    def _offer(self) -> None:
+        """Give the best plan to the run when it is new."""
+        if not self.fresh:
+            return
+        self.fresh = False
+        routes: Routes = []
+        seats: Seats = []
+        for r, trips in enumerate(self.best_rounds):
+            for turn, batch in enumerate(trips):
+                routes.append(self.tours.route(batch))
+                seats.append((r, turn))
+        self.run.best.offer(routes, seats=seats)
+
+
+def _nearest(instance: Instance) -> Ints:
+    """Return for each order those whose stops lie nearest to its own, the nearest first."""
+    owner = instance.order_of_node[[nodes[0] for nodes in instance.stops]]
+    by_order = np.argsort(owner, kind="stable")
+    first = np.searchsorted(owner[by_order], np.arange(len(instance.orders)))
+    d = instance.stop_distances[1:, 1:][np.ix_(by_order, by_order)]
+    to_order = np.minimum.reduceat(d, first, axis=1)
+    apart = np.add.reduceat(to_order, first, axis=0)
+    np.fill_diagonal(apart, np.inf)
+    most = min(NEIGHBOURS, len(instance.orders) - 1)
+    return np.argsort(apart, axis=1, kind="stable")[:, :most].astype(np.int64)
+
+
+def schedule_bound(run: Run, distance: float) -> float:
+    """Return a cost that no plan is below, when none is shorter than a distance.
+
+    Each part of the objective has its own bound. The trips cost the lowest rate for a metre, and
+    there must be so many of them; all robots work until the last is back, so the makespan is no
+    less than the least work shared out evenly, nor than the trip of any one order by the fastest
+    robot after its release; and no order is back before that.
+    """
+    instance, objective = run.instance, run.best.objective
+    if not instance.orders:
+        return 0.0
+    trips = fewest_trips(instance)
+    value = objective.bound(instance, distance) + objective.per_robot
+    value += trips * objective.per_trip(instance.times)
+    fastest = max(robot.speed for robot in instance.robots)
+    times, items = instance.times, instance.items
+    alone = [
+        order.release
+        + times.per_trip
+        + math.fsum(times.of(items[v - 1]) for v in nodes)
+        + least / fastest
+        for order, nodes, least in zip(
+            instance.orders, instance.order_nodes, least_trips(instance).tolist(), strict=True
+        )
+    ]
+    standing = trips * times.per_trip + math.fsum(map(times.of, items))
+    shared = _least_end(distance, standing, [robot.speed for robot in instance.robots])
+    value += objective.makespan * max(shared, *alone)
+    value += objective.lateness * math.fsum(
+        order.priority * max(0.0, ends - order.due)
+        for order, ends in zip(instance.orders, alone, strict=True)
+    )
+    return float(value * (1 - 1e-9))
+
+
+def _least_end(distance: float, standing: float, speeds: Sequence[float]) -> float:
+    """Return when robots are back at the soonest that share metres and seconds of standing.
+
+    A robot of speed v that drives x seconds and stands y until T has v x + p y <= max(v, p) T, for
+    any p >= 0. Summed over all robots: distance + p standing <= T sum of max(v, p).
+    """
+    ends = [standing / len(speeds)]
+    for price in (0.0, *speeds):
+        together = math.fsum(max(v, price) for v in speeds)
+        ends.append((distance + price * standing) / together)
+    return max(ends)
