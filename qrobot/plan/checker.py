@@ -111,9 +111,9 @@ class CheckReport:
             "distance": self.distance if math.isfinite(self.distance) else None,
             "objective": self.objective,
             "cost": self.cost if math.isfinite(self.cost) else None,
-            "measures": None
-            if self.measures is None or not math.isfinite(self.distance)
-            else {name: self.measures.value(name) for name in MEASURES},
+            "measures": self.measures.to_dict()
+            if self.measures is not None and math.isfinite(self.distance)
+            else None,
             "problems": [{"kind": p.kind, "text": p.text} for p in self.problems],
         }
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from qrobot.plan.objective import MEASURES
 from qrobot.plan.plan import Trip
 from qrobot.problem.entities import Item, Robot
 from qrobot.problem.instance import Instance
@@ -48,6 +49,10 @@ class Measures:
     def value(self, name: str) -> float:
         """Return one of the numbers by its name."""
         return float(getattr(self, name))
+
+    def to_dict(self) -> dict[str, float]:
+        """Return the numbers as plain data, without the orders."""
+        return {name: self.value(name) for name in MEASURES}
 
     def late(self, instance: Instance) -> dict[str, float]:
         """Return for each order that is late by how much, seconds."""

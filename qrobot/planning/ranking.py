@@ -147,7 +147,9 @@ def rank_orders(
                 order=order.id,
                 extra=round(length - home, DIGITS) if math.isfinite(home) else length,
                 distance=length,
-                seconds=length / who.speed + math.fsum(item.pick_seconds for item in items),
+                seconds=instance.times.per_trip
+                + length / who.speed
+                + math.fsum(map(instance.times.of, items)),
                 load=load,
                 items=tuple(item.id for item in items),
                 is_shortest=proven,

@@ -13,7 +13,7 @@ from qrobot._files import write_text_atomic
 from qrobot._json import json_text
 from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
-from qrobot.plan import Plan, objective_named
+from qrobot.plan import Measures, Plan, objective_named
 from qrobot.plan.plan import TABLE_HEADS
 from qrobot.problem import Instance
 
@@ -165,6 +165,9 @@ class Result:
         Facts that the reader must know: about the input, a fallback, a limit.
     answered_by
         The backend that answered: `backend`, or the fallback that stepped in.
+    measures
+        What the plan comes to by every measure, as the checker found: metres, seconds of work,
+        when the last robot is back, lateness, trips, robots.
     """
 
     instance: Instance
@@ -180,6 +183,7 @@ class Result:
     timing: Timing = field(default_factory=Timing)
     notes: tuple[str, ...] = ()
     answered_by: str = ""
+    measures: Measures | None = None
 
     def __post_init__(self) -> None:
         """Say who answered: who was asked, unless a fallback did."""
@@ -242,6 +246,11 @@ class Result:
         return f"{self.objective} {number(self.cost)}{unit} (distance {number(self.plan.distance)})"
 
     @property
+    def late(self) -> dict[str, float]:
+        """For each order that is back after its due time by how much, seconds."""
+        return {} if self.measures is None else self.measures.late(self.instance)
+
+    @property
     def gap(self) -> float:
         """Largest possible share by which the plan exceeds the optimum: cost / bound - 1."""
         if self.is_optimal or self.cost <= self.bound:
@@ -258,6 +267,10 @@ class Result:
             f"{' + '.join(self.steps) or self.backend} in {self.timing.total:.2f} s, "
             f"{_ENDINGS[self.ended]}",
         ]
+        if due := sum(math.isfinite(order.due) for order in self.instance.orders):
+            late = self.late
+            longest = f", at most by {number(max(late.values()))} s" if late else ""
+            lines.insert(2, f"{len(late)} of {due} orders with a due time are late{longest}")
         if (s := self.sampler) is not None:
             best = (
                 "no feasible read"
@@ -297,6 +310,8 @@ class Result:
             "gap": self.gap if math.isfinite(self.gap) else None,
             "is_optimal": self.is_optimal,
             "robots_used": self.plan.robots_used,
+            "measures": None if self.measures is None else self.measures.to_dict(),
+            "late": self.late,
             "backend": self.backend,
             "answered_by": self.answered_by,
             "steps": list(self.steps),

@@ -344,6 +344,7 @@ def result_of(run: Run, backend: str) -> Result:
         sampler=record.sampler,
         timing=record.timing,
         notes=tuple(record.notes),
+        measures=report.measures,
     )
 
 

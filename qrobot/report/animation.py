@@ -15,9 +15,8 @@ from qrobot.pages import render, script
 from qrobot.report.floorplan import Way, floor_plan
 from qrobot.report.lanes import XY
 from qrobot.report.picklist import exact_text, location
-from qrobot.report.scene import Journey, Scene
-from qrobot.report.schedules import schedule_of
-from qrobot.report.timeline import Visit
+from qrobot.report.scene import Scene
+from qrobot.report.schedules import TimedTrip, schedule_of
 
 __all__ = ["animation_page"]
 
@@ -60,8 +59,7 @@ def animation_page(scene: Scene) -> str:
                 "capacity": exact_text(own.trips[0].journey.capacity),
                 "picks": sum(len(trip.journey.items) for trip in own.trips),
                 "trips": [
-                    _trip(scene, trip.journey, plan.ways[number], trip.visits, trip.begins)
-                    | {"way": number}
+                    _trip(scene, trip, plan.ways[number]) | {"way": number}
                     for trip in own.trips
                     for number in (trip.journey.number - 1,)
                 ],
@@ -83,11 +81,10 @@ def animation_page(scene: Scene) -> str:
     )
 
 
-def _trip(
-    scene: Scene, journey: Journey, way: Way, visits: Sequence[Visit], begin: float
-) -> dict[str, object]:
+def _trip(scene: Scene, trip: TimedTrip, way: Way) -> dict[str, object]:
     """Return a trip as the script wants it; times are those of the whole plan."""
-    frames = _frames(way.legs, visits, begin)
+    journey, visits, begin = trip.journey, trip.visits, trip.begins
+    frames = _frames(way.legs, trip)
     loads = accumulate((item.weight for item in journey.items), initial=Fraction(0))
     leaves = [round(begin + visit.leaves, 3) for visit in visits]
     return {
@@ -110,15 +107,14 @@ def _trip(
     }
 
 
-def _frames(
-    legs: Sequence[Sequence[XY]], visits: Sequence[Visit], begin: float
-) -> list[tuple[float, XY]]:
+def _frames(legs: Sequence[Sequence[XY]], trip: TimedTrip) -> list[tuple[float, XY]]:
     """Return where the robot is when: at each corner, and at each stop from arrival to departure.
 
     Between two stops it passes the drawn way evenly; what it takes is the length of the real one.
     """
-    frames, left = [(begin, legs[0][0])], begin
-    for leg, visit in zip(legs, visits, strict=True):
+    begin, left = trip.begins, trip.leaves
+    frames = [(begin, legs[0][0]), (left, legs[0][0])]
+    for leg, visit in zip(legs, trip.visits, strict=True):
         arrives = begin + visit.arrives
         steps = list(accumulate((math.dist(a, b) for a, b in pairwise(leg)), initial=0.0))
         for point, passed in zip(leg[1:], steps[1:], strict=True):

@@ -272,7 +272,7 @@ def _pick_list(
     owner: dict[str, str],
     turns: int,
 ) -> PickList:
-    *stops, end = timeline(journey)
+    *stops, end = timeline(journey, instance.times)
     numbers: dict[str, int] = {}
     picks, load = [], Fraction(0)
     for stop, (item, visit) in enumerate(zip(journey.items, stops, strict=True), 1):

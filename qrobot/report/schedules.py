@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,15 @@ from qrobot.report.timeline import Visit, timeline
 if TYPE_CHECKING:
     from qrobot.planning import Result
 
-__all__ = ["SCHEDULE_SCHEMA", "RobotSchedule", "Schedule", "TimedTrip", "schedule", "schedule_of"]
+__all__ = [
+    "SCHEDULE_SCHEMA",
+    "OrderEnd",
+    "RobotSchedule",
+    "Schedule",
+    "TimedTrip",
+    "schedule",
+    "schedule_of",
+]
 
 SCHEDULE_SCHEMA = "qrobot.schedule/1"
 
@@ -28,7 +37,10 @@ COLUMNS = (
 )  # fmt: skip
 
 MOST_NAMES = 8
-"""Robots that are named when they stay home."""
+"""Robots that are named when they stay home, and orders that are late."""
+
+ON_TIME = 1e-6
+"""Seconds after a due time that are rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +52,16 @@ class TimedTrip:
     journey
         The trip, with its number in the plan.
     begins
-        When the robot leaves the depot, seconds since all robots began.
+        When its set-up begins, seconds since all robots began.
+    leaves
+        When the robot leaves the depot.
     visits
-        Its stops and its end, in seconds since it left the depot.
+        Its stops and its end, in seconds since its set-up began.
     """
 
     journey: Journey
     begins: float
+    leaves: float
     visits: tuple[Visit, ...]
 
     @property
@@ -62,7 +77,7 @@ class TimedTrip:
     @property
     def driving(self) -> float:
         """Seconds that the robot drives."""
-        return self.visits[-1].leaves - self.collecting
+        return self.ends - self.leaves - self.collecting
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,12 +108,41 @@ class RobotSchedule:
     @property
     def driving(self) -> float:
         """Seconds that it drives."""
-        return self.ends - self.collecting
+        return sum(trip.driving for trip in self.trips)
+
+    @property
+    def working(self) -> float:
+        """Seconds of all its trips with their set-ups, without waiting."""
+        return sum(trip.ends - trip.begins for trip in self.trips)
+
+
+@dataclass(frozen=True, slots=True)
+class OrderEnd:
+    """When an order is back.
+
+    Parameters
+    ----------
+    order
+        Its id.
+    back
+        When its trip is back, seconds since all robots began.
+    due
+        When it should be, ``inf`` for no matter when.
+    """
+
+    order: str
+    back: float
+    due: float
+
+    @property
+    def late(self) -> float:
+        """Seconds after its due time."""
+        return max(0.0, self.back - self.due)
 
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """Who is where, and when: all robots begin at once, each makes its trips without a break.
+    """Who is where, and when: all robots begin at once, each makes its trips as early as it may.
 
     Parameters
     ----------
@@ -116,6 +160,20 @@ class Schedule:
         """When the last robot is back (the makespan), seconds."""
         return max((own.ends for own in self.robots), default=0.0)
 
+    @property
+    def orders(self) -> list[OrderEnd]:
+        """When each order is back, in the sequence of the instance; split ones with their last."""
+        back: dict[str, float] = {}
+        for own in self.robots:
+            for trip in own.trips:
+                for order in trip.journey.trip.orders:
+                    back[order] = max(trip.ends, back.get(order, 0.0))
+        return [
+            OrderEnd(order.id, back[order.id], order.due)
+            for order in self.scene.instance.orders
+            if order.id in back
+        ]
+
     def to_dict(self) -> dict[str, Any]:
         """Return the schedule as plain data (schema ``qrobot.schedule/1``)."""
         return {
@@ -132,12 +190,22 @@ class Schedule:
                 }
                 for own in self.robots
             ],
+            "orders": [
+                {
+                    "order": one.order,
+                    "back": one.back,
+                    "due": one.due if math.isfinite(one.due) else None,
+                    "late": one.late,
+                }
+                for one in self.orders
+            ],
         }
 
     def _trip_data(self, trip: TimedTrip) -> dict[str, Any]:
         return {
             "trip": trip.journey.number,
             "begins": trip.begins,
+            "leaves": trip.leaves,
             "ends": trip.ends,
             "distance": trip.journey.trip.distance,
             "stops": [
@@ -190,7 +258,7 @@ class Schedule:
                 f"{turn} of {len(own.trips)}",
                 *(
                     f"{number(value)} s"
-                    for value in (trip.begins, trip.ends, trip.driving, trip.collecting)
+                    for value in (trip.leaves, trip.ends, trip.driving, trip.collecting)
                 ),
                 number(trip.journey.trip.distance),
                 str(len(trip.journey.items)),
@@ -207,8 +275,22 @@ class Schedule:
         some = ", ".join(home[:MOST_NAMES]) + (", .." if len(home) > MOST_NAMES else "")
         idle = f"\nwithout a trip: {some}" if home else ""
         back = f"all robots are back after {number(self.ends)} s, {printable(last.robot)} last"
-        total = sum(own.ends for own in self.robots)
-        return f"{table}{idle}\n{back}; together they work {number(total)} s\n"
+        total = sum(own.working for own in self.robots)
+        return f"{table}{idle}\n{back}; together they work {number(total)} s\n{self._late()}"
+
+    def _late(self) -> str:
+        """Return a line about due times, where there are any."""
+        due = [one for one in self.orders if math.isfinite(one.due)]
+        if not due:
+            return ""
+        late = sorted((one for one in due if one.late > ON_TIME), key=lambda one: -one.late)
+        if not late:
+            return f"all {len(due)} orders with a due time are back in time\n"
+        some = ", ".join(
+            f"{printable(one.order)} by {number(one.late)} s" for one in late[:MOST_NAMES]
+        )
+        rest = ", .." if len(late) > MOST_NAMES else ""
+        return f"{len(late)} of {len(due)} orders with a due time are late: {some}{rest}\n"
 
 
 def schedule(
@@ -242,9 +324,13 @@ def schedule(
 
 def schedule_of(scene: Scene) -> Schedule:
     """Return when each robot of a plan is where, its trips in the sequence of the plan."""
+    times = scene.instance.times
+    release = {order.id: order.release for order in scene.instance.orders}
     trips: dict[str, list[TimedTrip]] = {robot.id: [] for robot in scene.instance.robots}
     for journey in scene.journeys:
         before = trips[journey.robot.id]
-        begins = before[-1].ends if before else 0.0
-        before.append(TimedTrip(journey, begins, tuple(timeline(journey))))
+        released = max((release[order] for order in journey.trip.orders), default=0.0)
+        begins = max(before[-1].ends if before else 0.0, released)
+        visits = tuple(timeline(journey, times))
+        before.append(TimedTrip(journey, begins, begins + times.per_trip, visits))
     return Schedule(scene, tuple(RobotSchedule(name, tuple(own)) for name, own in trips.items()))

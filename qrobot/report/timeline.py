@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from qrobot.problem import Times
 from qrobot.report.scene import Journey
 
 __all__ = ["Visit", "timeline"]
@@ -18,7 +19,7 @@ class Visit:
     distance
         Length of the way since the depot.
     arrives, leaves
-        Seconds since the robot left the depot; between them the item is collected.
+        Seconds since the set-up of the trip began; between them the item is collected.
     """
 
     distance: float
@@ -26,13 +27,13 @@ class Visit:
     leaves: float
 
 
-def timeline(journey: Journey) -> list[Visit]:
+def timeline(journey: Journey, times: Times) -> list[Visit]:
     """Return the visits of a trip: a stop an item, and the return to the depot.
 
     The last one ends when the objective ``time`` says that the trip does.
     """
-    picks = [*(item.pick_seconds for item in journey.items), 0.0]
-    visits, distance, clock = [], 0.0, 0.0
+    picks = [*map(times.of, journey.items), 0.0]
+    visits, distance, clock = [], 0.0, times.per_trip
     for leg, seconds in zip(journey.lengths, picks, strict=True):
         distance += leg
         arrives = clock + leg / journey.robot.speed
