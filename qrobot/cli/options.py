@@ -90,7 +90,7 @@ class Robots(click.ParamType[int | str]):
     name = "N|free"
 
     def convert(
-        self, value: str | int, _param: click.Parameter | None, _ctx: click.Context | None
+        self, value: str | int, param: click.Parameter | None, _ctx: click.Context | None
     ) -> int | str:
         """Return the number or ``free``, however it is written."""
         text = str(value).strip()
@@ -98,9 +98,10 @@ class Robots(click.ParamType[int | str]):
             return "free"
         if re.fullmatch(r"[-+]?[0-9]{1,12}", text):
             return int(text)
+        what = param.name if param is not None else "robots"
         raise InputError(
-            f"{value!r:.40} is not a number of robots",
-            field="--robots",
+            f"{value!r:.40} is not a number of {what}",
+            field=f"--{what}",
             advice="give 1 or more, or 'free'",
         )
 
@@ -125,13 +126,13 @@ class Question:
 
 
 def _reading_options(
-    robots: str, capacity: str, split_orders: str
+    robots: str, capacity: str, trips: str, split_orders: str
 ) -> Callable[[Function], Function]:
     """Return what adds the options of reading an instance, and hands them over as a `Question`.
 
     Parameters
     ----------
-    robots, capacity, split_orders
+    robots, capacity, trips, split_orders
         The help of these options.
     """
     options = {
@@ -145,6 +146,7 @@ def _reading_options(
         "rounding": rounding,
         "robots": click.option("--robots", type=Robots(), help=robots),
         "capacity": click.option("--capacity", help=capacity),
+        "trips": click.option("--trips", type=Robots(), help=trips),
         "split_orders": click.option("--split-orders", is_flag=True, help=split_orders),
     }
 
@@ -164,6 +166,7 @@ def _reading_options(
 reading_options = _reading_options(
     "The first N robots (or more like them), or 'free': no limit.",
     "Capacity of every robot instead of the file's.",
+    "The most trips of every robot instead of the file's, or 'free': no limit.",
     "Make each item an order of its own, as in the paper.",
 )
 """Options of a command that plans."""
@@ -171,6 +174,7 @@ reading_options = _reading_options(
 reading_options_of_plan = _reading_options(
     "The number of robots that the plan was made with.",
     "The capacity that the plan was made with.",
+    "The most trips that the plan was made with.",
     "The orders were allowed to be split.",
 )
 """Options of a command that reads a plan and its question."""

@@ -18,10 +18,13 @@ from qrobot.problem.validity import MAX_ITEMS
 if TYPE_CHECKING:  # an instance makes its other fleets by this file
     from qrobot.problem.instance import Instance
 
-__all__ = ["check_fleet_size", "fleet_of_size", "what_is_enough"]
+__all__ = ["NO_LIMIT", "check_fleet_size", "fleet_of_size", "what_is_enough", "with_trips"]
 
 MOST_TRIED = 2_000
 """Orders beyond which capacities are not tried."""
+
+NO_LIMIT = MAX_ITEMS
+"""Trips of a robot that may make any number: as many as there may be orders."""
 
 DIGITS = 6
 """Decimals of an advised capacity, rounded up."""
@@ -65,6 +68,19 @@ def fleet_of_size(robots: tuple[Robot, ...], count: int | None, orders: int) -> 
     return (*robots, *(dataclasses.replace(robots[0], id=name) for name in more))
 
 
+def with_trips(robots: tuple[Robot, ...], trips: int | str) -> tuple[Robot, ...]:
+    """Return the robots with so many trips each; ``free`` sets no limit."""
+    if trips == "free":
+        trips = NO_LIMIT
+    if isinstance(trips, bool) or not isinstance(trips, int) or not 1 <= trips <= NO_LIMIT:
+        raise InputError(
+            f"{trips!r} is not a number of trips from 1 to {NO_LIMIT}",
+            field="trips",
+            advice="give a whole number above 0, or 'free'",
+        )
+    return tuple(dataclasses.replace(robot, trips=trips) for robot in robots)
+
+
 def what_is_enough(instance: Instance) -> str:
     """Return a clause that names options under which a plan exists, each by itself.
 
@@ -81,6 +97,8 @@ def what_is_enough(instance: Instance) -> str:
             options.append(f"{count} robots (--robots {count})")
         else:
             options.append("as many of the largest robot as wanted (--robots free)")
+        if any(robot.trips < len(weights) for robot in instance.robots):
+            options.append("several trips of each robot (--trips free)")
     seats = sum(min(robot.trips, len(weights)) for robot in instance.robots)
     capacity = _written(_least_capacity(weights, seats) * instance.unit)
     options.append(f"a capacity of {capacity} (--capacity {capacity})")

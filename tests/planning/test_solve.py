@@ -91,8 +91,8 @@ def test_bounds_hold_with_tight_capacity_and_are_useful(seed: int) -> None:
         ),
         (
             table_instance([15, 15, 15, 16], 16, 3),
-            "total load 61 exceeds 3 x 16; enough would be 4 robots (--robots 4), or a capacity "
-            "of 30 (--capacity 30)",
+            "total load 61 exceeds 3 x 16; enough would be 4 robots (--robots 4), or several "
+            "trips of each robot (--trips free), or a capacity of 30 (--capacity 30)",
         ),
         (table_instance([15.5, 15.5, 15, 15], 15.5, 3), "total load 61 exceeds 3 x 15.5"),
         (table_instance([6, 6, 6], 11, 2), "all weights are multiples of 6, so 2 x 11 hold"),
@@ -132,6 +132,7 @@ def test_what_a_refusal_says_to_be_enough_is_enough(instance: Instance, part: in
             given: dict[str, Any] = {
                 "robots": {"robots": int(value) if value.isdigit() else value},
                 "capacity": {"capacity": value},
+                "trips": {"trips": value},
                 "split-orders": {"split_orders": True},
             }[name]
             mended = qrobot.read(path, **given)

@@ -10,6 +10,7 @@ from typing import cast
 
 from qrobot._files import StrPath, path_text, write_text_atomic
 from qrobot.errors import InputError
+from qrobot.problem.fleets import with_trips
 from qrobot.problem.formats.registry import (
     Format,
     ReadOptions,
@@ -47,6 +48,7 @@ def read(
     layout: StrPath | None = None,
     robots: int | str | None = None,
     capacity: Quantity | None = None,
+    trips: int | str | None = None,
     split_orders: bool = False,
     rounding: str | None = None,
     ignore_columns: Sequence[str] = (),
@@ -66,6 +68,8 @@ def read(
         Another number of robots (see `Instance.with_robots`), or ``"free"`` for no limit.
     capacity
         Another capacity of every robot.
+    trips
+        The most trips of every robot in the place of the file's, or ``"free"`` for no limit.
     split_orders
         Let each item stand alone, as in the paper's formulas.
     rounding
@@ -98,6 +102,8 @@ def read(
             pool=pool,
         )
         instance = _read_file(path, options, robots)
+        if trips is not None:
+            instance = dataclasses.replace(instance, robots=with_trips(instance.robots, trips))
     except InputError as error:
         raise error.in_file(os.fspath(path)) from None
     return instance.split_orders() if split_orders else instance

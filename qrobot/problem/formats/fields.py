@@ -17,6 +17,7 @@ from pydantic_core import PydanticCustomError
 
 from qrobot.errors import InputError
 from qrobot.problem.checks import canonical, first_invisible
+from qrobot.problem.fleets import NO_LIMIT
 from qrobot.problem.units import MAX_WEIGHT, exact, number_advice
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "Name",
     "Number",
     "Positive",
+    "Trips",
     "Weight",
     "quoted",
     "refuse",
@@ -123,6 +125,12 @@ Number = Annotated[float, BeforeValidator(_number)]
 Length = Annotated[float, Field(ge=0), BeforeValidator(_number)]
 Positive = Annotated[float, Field(gt=0), BeforeValidator(_number)]
 Index = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
+Trips = Annotated[
+    int,
+    Field(ge=1),
+    BeforeValidator(lambda value: NO_LIMIT if value == "free" else _whole(value)),
+    WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"const": "free"}]}),
+]
 Count = Annotated[int, Field(ge=1), BeforeValidator(_whole)]
 # Names end up in tables on terminals: no control characters, no line ends.
 Name = Annotated[

@@ -32,7 +32,7 @@ from qrobot.problem import (
     Times,
     Warehouse,
 )
-from qrobot.problem.fleets import check_fleet_size
+from qrobot.problem.fleets import NO_LIMIT, check_fleet_size
 from qrobot.problem.formats.fields import shown
 from qrobot.problem.formats.jsontext import dumps, loads, located
 from qrobot.problem.formats.registry import ReadOptions, builtin, checked
@@ -298,13 +298,9 @@ def to_text(instance: Instance) -> str:
 
 def _order_data(order: Order) -> dict[str, Any]:
     """Return an order without what is usual."""
-    usual = Order(order.id, order.items)
-    wishes = {
-        name: getattr(order, name)
-        for name in ("release", "due", "deadline", "priority")
-        if getattr(order, name) != getattr(usual, name)
-    }
-    return {"id": order.id, "items": list(order.items), **wishes}
+    usual = dataclasses.asdict(Order(order.id, order.items))
+    own = dataclasses.asdict(order).items()
+    return {"id": order.id, "items": list(order.items), **{k: v for k, v in own if v != usual[k]}}
 
 
 def _decimal(value: Fraction, index: int | None = None) -> Decimal:
@@ -322,7 +318,12 @@ def _decimal(value: Fraction, index: int | None = None) -> Decimal:
 
 def _robots_data(robots: tuple[Robot, ...]) -> Any:
     drives = [
-        {"capacity": _decimal(r.capacity), "speed": r.speed, "trips": r.trips} for r in robots
+        {
+            "capacity": _decimal(r.capacity),
+            "speed": r.speed,
+            "trips": r.trips if r.trips < NO_LIMIT else "free",
+        }
+        for r in robots
     ]
     alike = all(drive == drives[0] for drive in drives)
     if alike and all(r.id == f"R{k + 1}" for k, r in enumerate(robots)):

@@ -24,6 +24,7 @@ from qrobot.problem.formats.fields import (
     Name,
     Number,
     Positive,
+    Trips,
     Weight,
     quoted,
     refuse,
@@ -198,7 +199,7 @@ class TimesModel(_Strict):
 class _Drive(_Strict):
     capacity: Capacity
     speed: Positive = 1.0
-    trips: Count = 1
+    trips: Trips = 1
 
 
 class FleetModel(_Drive):
