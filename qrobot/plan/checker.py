@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
@@ -34,7 +34,7 @@ ABSOLUTE = 1e-9
 Kind = Literal[
     "missing", "repeated", "unknown", "orders", "split", "overload", "load", "robot", "turns",
     "empty", "unreachable", "distance", "time", "total", "cost", "stock", "quantity", "routing",
-    "deadline",
+    "deadline", "label",
 ]  # fmt: skip
 
 
@@ -52,7 +52,7 @@ class Problem:
         ``total``, or ``cost`` by the objective; more taken from a place than its ``stock``; a
         ``quantity`` of an article that is not what an order asks for; a ``routing`` that is not
         a policy for this warehouse, or stops in a sequence that it does not take; an order that
-        is back after its ``deadline``.
+        is back after its ``deadline``; a ``label`` that the bin of a stop does not have.
     text
         One sentence with the numbers.
     """
@@ -164,7 +164,7 @@ def check(plan: Plan, instance: Instance) -> CheckReport:
         lengths.append(length)
         robot = robots.get(trip.robot)
         both = None if both_ways is None else both_ways.trip(items[stop].place for stop in stops)
-        problems += _trip(number, trip, load, length, robot, both)
+        problems += [*_labels(number, trip, items), *_trip(number, trip, load, length, robot, both)]
         if math.isinf(length):
             problems += _forbidden(number, [items[stop] for stop in stops], ruler)
     measures = measure(instance, plan.trips, lengths)
@@ -337,6 +337,18 @@ def _trip(
             f"trip {number} states {trip.seconds!r} s, at {robot.speed:.12g} m/s it takes "
             f"{length / robot.speed!r} s",
         )
+
+
+def _labels(number: int, trip: Trip, items: Mapping[str, Item]) -> Iterator[Problem]:
+    """Compare the labels of a trip, where it states some, with those of its stops."""
+    for stop, label in zip(trip.stops, trip.labels, strict=False):
+        if stop in items and label != items[stop].label:
+            right = items[stop].label
+            yield Problem(
+                "label",
+                f"trip {number} names the bin {label!r} for item {stop}, "
+                + (f"it is {right!r}" if right else "which has no label"),
+            )
 
 
 def _sequence(number: int, routing: str, direct: float, length: float) -> Iterator[Problem]:

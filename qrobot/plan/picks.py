@@ -5,10 +5,9 @@ from __future__ import annotations
 import dataclasses
 from collections import defaultdict
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
-from qrobot.problem.entities import Item, Order
+from qrobot.problem.entities import Item, Order, Stock, picked
 from qrobot.problem.instance import Instance
 from qrobot.problem.warehouse import Node, Place, Point, Slot
 
@@ -109,6 +108,7 @@ def as_picked(instance: Instance, picks: tuple[Pick, ...], *, with_stock: bool =
     if not picks or not instance.stock:
         return instance
     stock = {one.article for one in instance.stock}
+    bins = {(one.article, one.place): one for one in instance.stock}
     items = {item.id: item for item in instance.items}
     taken: defaultdict[str, list[Pick]] = defaultdict(list)
     for pick in picks:
@@ -125,10 +125,9 @@ def as_picked(instance: Instance, picks: tuple[Pick, ...], *, with_stock: bool =
                 made.append(items[name])
         for pick in taken[order.id]:
             group = groups.get(pick.article, [])
-            share = Fraction(pick.quantity, max(1, sum(item.quantity for item in group)))
-            weight = share * sum((item.weight for item in group), Fraction(0))
-            seconds = float(share) * sum(item.pick_seconds for item in group)
-            made.append(Item(pick.id, weight, pick.place, seconds, pick.quantity, pick.article))
+            source = bins.get((pick.article, pick.place))
+            nowhere = Stock(pick.article, pick.place, 0)  # which the checker tells
+            made.append(picked(group, pick.id, source or nowhere, pick.quantity))
         orders.append(Order(order.id, [item.id for item in made[first:]]))
     left = instance.stock if with_stock else ()
     return dataclasses.replace(instance, items=tuple(made), orders=tuple(orders), stock=left)

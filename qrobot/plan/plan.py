@@ -46,6 +46,8 @@ class Trip:
         Weight carried at the end, in the unit of the input.
     seconds
         Driving time at the robot's speed.
+    labels
+        Of the bins of the stops, in the same sequence; empty where no stop has one.
     """
 
     robot: str
@@ -54,12 +56,21 @@ class Trip:
     distance: float
     load: float
     seconds: float
+    labels: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return (
             f"<Trip of {shown_name(self.robot)}: {len(self.stops)} stops, "
             f"distance {number(self.distance)}, load {number(self.load)}>"
         )
+
+    def named_stops(self) -> list[str]:
+        """Return the stops as people look for them: the item's id, and the bin where it has one."""
+        labels = self.labels or ("",) * len(self.stops)
+        return [
+            f"{stop} ({label})" if label else stop
+            for stop, label in zip(self.stops, labels, strict=True)
+        ]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -123,7 +134,7 @@ class Plan:
                 number(trip.load),
                 number(trip.distance),
                 str(len(trip.orders)),
-                " ".join(trip.stops),
+                " ".join(trip.named_stops()),
             )
             for place, trip in enumerate(self.trips, 1)
         ]
@@ -196,6 +207,7 @@ class Plan:
                     "distance": t.distance,
                     "load": t.load,
                     "seconds": t.seconds,
+                    "labels": list(t.labels),
                 }
                 for t in self.trips
             ],
@@ -232,8 +244,11 @@ class Plan:
                     distance=trip.take("distance", _number),
                     load=trip.take("load", _number),
                     seconds=trip.take("seconds", _number, 0.0),
+                    labels=trip.take("labels", _texts, ()),
                 )
             )
+            if len(trips[-1].labels) not in (0, len(trips[-1].stops)):
+                raise trip.error("does not have a label for each stop", f"{trip.path}.labels")
         objective = objective_named(top.take("objective", _text, "distance")).name
         distance = top.take("distance", _number)
         value = top.take("cost", _number, distance if objective == "distance" else None)
@@ -253,6 +268,7 @@ def _trip(instance: Instance, nodes: Sequence[int], robot: Robot) -> Trip:
     length = instance.route_length(nodes)
     orders = dict.fromkeys(instance.orders[instance.order_of_node[v]].id for v in nodes)
     load = int(sum(instance.weights[v - 1] for v in nodes))
+    labels = tuple(instance.items[v - 1].label for v in nodes)
     return Trip(
         robot=robot.id,
         orders=tuple(orders),
@@ -260,6 +276,7 @@ def _trip(instance: Instance, nodes: Sequence[int], robot: Robot) -> Trip:
         distance=length,
         load=float(load * instance.unit),
         seconds=length / robot.speed,
+        labels=labels if any(labels) else (),
     )
 
 
@@ -274,18 +291,19 @@ class _Fields:
     def take(self, name: str, convert: Callable[[Any], _T], default: _T | None = None) -> _T:
         """Return a field, converted; errors name its path."""
         if not isinstance(self.data, dict):
-            raise self._error("is malformed (not an object)", self.path)
+            raise self.error("is malformed (not an object)", self.path)
         field = f"{self.path}.{name}" if self.path else name
         if name not in self.data:
             if default is None:
-                raise self._error("is missing", field)
+                raise self.error("is missing", field)
             return default
         try:
             return convert(self.data[name])
         except (TypeError, ValueError) as error:
-            raise self._error(f"is malformed ({error})", field) from None
+            raise self.error(f"is malformed ({error})", field) from None
 
-    def _error(self, problem: str, field: str) -> InputError:
+    def error(self, problem: str, field: str) -> InputError:
+        """Return an error of this file."""
         return InputError(
             problem, source=self.source, field=field, advice="give a plan that qrobot wrote"
         )

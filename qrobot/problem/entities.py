@@ -13,7 +13,7 @@ from qrobot.problem.checks import canonical
 from qrobot.problem.units import Quantity, exact
 from qrobot.problem.warehouse import Place
 
-__all__ = ["Item", "Order", "Robot", "Stock"]
+__all__ = ["Item", "Order", "Robot", "Stock", "picked"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,13 @@ class Item:
     article
         What the article is called where several items are of one; empty: as the item.
     level
-        Levels above the floor, for `Times.per_level`.
+        Shelves above the floor, for `Times.per_level`: one slot may have bins above each other.
+    label
+        What the warehouse calls the bin; empty: the numbers of the place say where it is.
+    volume
+        Of all pieces together, in one unit of your choice; taken as the weight is.
+    category
+        Class of the article, such as ``frozen``.
     """
 
     id: str
@@ -47,6 +53,9 @@ class Item:
     quantity: int = 1
     article: str = ""
     level: int = 0
+    label: str = ""
+    volume: Fraction = Fraction(0)
+    category: str = ""
 
     if TYPE_CHECKING:  # what is taken is wider than what is kept
 
@@ -59,14 +68,18 @@ class Item:
             quantity: int = 1,
             article: str = "",
             level: int = 0,
+            label: str = "",
+            volume: Quantity = 0,
+            category: str = "",
         ) -> None: ...
 
     def __post_init__(self) -> None:
         """Keep the names' composed form, and a number as the decimal that it is written as."""
-        object.__setattr__(self, "id", canonical(self.id))
-        object.__setattr__(self, "article", canonical(self.article))
-        if not isinstance(self.weight, Fraction):
-            object.__setattr__(self, "weight", exact(self.weight, field="weight"))
+        for name in ("id", "article", "label", "category"):
+            object.__setattr__(self, name, canonical(getattr(self, name)))
+        for name in ("weight", "volume"):
+            if not isinstance(getattr(self, name), Fraction):
+                object.__setattr__(self, name, exact(getattr(self, name), field=name))
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,15 +146,47 @@ class Stock:
         Where the pieces lie.
     quantity
         How many there are.
+    level, label
+        Of the bin, as an item has them.
     """
 
     article: str
     place: Place
     quantity: int
+    level: int = 0
+    label: str = ""
 
     def __post_init__(self) -> None:
-        """Keep the name's composed form."""
+        """Keep the names' composed form."""
         object.__setattr__(self, "article", canonical(self.article))
+        object.__setattr__(self, "label", canonical(self.label))
+
+
+def picked(group: Sequence[Item], id_: str, source: Stock, quantity: int) -> Item:
+    """Return the item that is taken from one place of a stock, a share of what is asked for.
+
+    Parameters
+    ----------
+    group
+        What an order asks of the article.
+    id_, quantity
+        Of the item.
+    source
+        Where it is taken from.
+    """
+    share = Fraction(quantity, max(1, sum(item.quantity for item in group)))
+    return Item(
+        id_,
+        weight=share * sum((item.weight for item in group), Fraction(0)),
+        place=source.place,
+        pick_seconds=float(share) * sum(item.pick_seconds for item in group),
+        quantity=quantity,
+        article=source.article,
+        level=source.level,
+        label=source.label,
+        volume=share * sum((item.volume for item in group), Fraction(0)),
+        category=group[0].category if group else "",
+    )
 
 
 @dataclass(frozen=True, slots=True)

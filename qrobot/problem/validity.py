@@ -44,6 +44,10 @@ MAX_PICK = 1e6
 """Seconds to collect one item."""
 
 
+MAX_LEVEL = 1_000
+"""Shelves above each other."""
+
+
 def check_entities(
     warehouse: Warehouse,
     items: Sequence[Item],
@@ -95,11 +99,13 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
                 field=f"items[{i}].quantity",
                 advice="use a whole number from 1",
             )
-        if item.article and (hidden := first_invisible(item.article)) is not None:
+        _check_names(item, ("article", "label", "category"), f"items[{i}]")
+        _check_level(item, f"items[{i}]")
+        if item.volume < 0:
             raise InputError(
-                f"holds the invisible character {hidden}",
-                field=f"items[{i}].article",
-                advice="remove it",
+                f"volume {float(item.volume):g} of item {item.id!r} is negative",
+                field=f"items[{i}].volume",
+                advice="use zero or more",
             )
         try:
             warehouse.check(item.place)
@@ -108,6 +114,25 @@ def _check_items(warehouse: Warehouse, items: Sequence[Item]) -> None:
             raise InputError(
                 f"{error.problem} (item {item.id!r})", field=path, advice=error.advice
             ) from None
+
+
+def _check_names(one: Item | Stock, names: Sequence[str], path: str) -> None:
+    for name in names:
+        if (hidden := first_invisible(getattr(one, name))) is not None:
+            raise InputError(
+                f"holds the invisible character {hidden}",
+                field=f"{path}.{name}",
+                advice="remove it",
+            )
+
+
+def _check_level(one: Item | Stock, path: str) -> None:
+    if not 0 <= one.level <= MAX_LEVEL:
+        raise InputError(
+            f"level {one.level} is not 0 to {MAX_LEVEL}",
+            field=f"{path}.level",
+            advice="count the shelves from the floor",
+        )
 
 
 def check_robots(robots: Sequence[Robot]) -> None:
@@ -149,6 +174,8 @@ def check_stock(warehouse: Warehouse, items: Sequence[Item], stock: Sequence[Sto
     left: dict[tuple[str, Place], int] = {}
     total: dict[str, int] = {}
     for i, one in enumerate(stock):
+        _check_names(one, ("label",), f"stock[{i}]")
+        _check_level(one, f"stock[{i}]")
         try:
             warehouse.check(one.place)
         except InputError as error:

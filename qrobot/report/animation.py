@@ -96,7 +96,7 @@ def _trip(scene: Scene, trip: TimedTrip, way: Way) -> dict[str, object]:
         "arrives": [round(begin + visit.arrives, 3) for visit in visits[:-1]],
         "leaves": leaves[:-1],
         "labels": [
-            f"{location(scene.instance, item.place)}: {shown(item.article or item.id)}"
+            f"{location(scene.instance, item)}: {shown(item.article or item.id)}"
             for item in journey.items
         ],
         "loads": [exact_text(load) for load in loads][1:],

@@ -58,7 +58,7 @@ def _draw_all(drawn: Map, scene: Scene, spots: Sequence[XY], named: bool) -> Non
     for journey, line in zip(scene.journeys, lines, strict=True):
         drawn.tag(journey, line)
     # The depot's name comes last in the queue for a free side, but is always drawn.
-    texts = [f"{shown(i.id)} ({number(i.weight)})" for i in scene.instance.items]
+    texts = [f"{shown(i.label or i.id)} ({number(i.weight)})" for i in scene.instance.items]
     texts = texts if named else []
     sides = placed(
         [_on_sheet(drawn, at) for at in (*(marks if named else ()), house.depot)],

@@ -15,7 +15,7 @@ from qrobot._numbers import number
 from qrobot._text import columns, count, printable
 from qrobot.errors import InputError
 from qrobot.plan import Plan
-from qrobot.problem import Instance, Item, Node, Place, Point, Slot
+from qrobot.problem import Instance, Item, Node, Point, Slot
 from qrobot.problem.checks import canonical
 from qrobot.report.scene import Journey, Scene, checked_scene
 from qrobot.report.timeline import timeline
@@ -281,7 +281,7 @@ def _pick_list(
         load += item.weight
         picks.append(
             Pick(
-                stop, item, location(instance, item.place), order, basket, load,
+                stop, item, location(instance, item), order, basket, load,
                 visit.distance, visit.leaves,
             )
         )  # fmt: skip
@@ -297,9 +297,11 @@ def _pick_list(
     return PickList(journey, tuple(picks), baskets, journey.turn + 1, turns, end.leaves)
 
 
-def location(instance: Instance, place: Place) -> str:
-    """Return where a place is, as its label may say it."""
-    match place:
+def location(instance: Instance, item: Item) -> str:
+    """Return where an item lies: the label of its bin, or else the place in words."""
+    if item.label:
+        return item.label
+    match place := item.place:
         case Slot():
             several = getattr(instance.warehouse, "blocks", 1) > 1
             block = f"block {place.block}, " if several else ""

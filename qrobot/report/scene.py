@@ -106,7 +106,7 @@ class Scene:
         return [
             self.title,
             *(j.name for j in self.journeys),
-            *(shown(item.id) for item in self.instance.items),
+            *(shown(item.label or item.id) for item in self.instance.items),
         ]
 
 

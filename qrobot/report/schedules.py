@@ -211,7 +211,7 @@ class Schedule:
             "stops": [
                 {
                     "item": item.id,
-                    "location": location(self.scene.instance, item.place),
+                    "location": location(self.scene.instance, item),
                     "arrives": trip.begins + visit.arrives,
                     "leaves": trip.begins + visit.leaves,
                 }
@@ -240,7 +240,7 @@ class Schedule:
                             "stop": stop,
                             "location": "depot"
                             if item is None
-                            else location(self.scene.instance, item.place),
+                            else location(self.scene.instance, item),
                             "item": "" if item is None else item.id,
                             "order": "" if item is None else owner[item.id],
                             "distance": f"{visit.distance:.12g}",

@@ -29,7 +29,10 @@ def table(result: Result) -> str:
     rows: list[list[str]] = []
     for place, trip in enumerate(result.plan.trips, 1):
         wrapped = textwrap.wrap(
-            " ".join(trip.stops), STOPS_WIDTH, break_long_words=False, break_on_hyphens=False
+            " ".join(trip.named_stops()),
+            STOPS_WIDTH,
+            break_long_words=False,
+            break_on_hyphens=False,
         )
         rows.append(
             [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,8 @@ from qrobot._extras import is_installed
 from qrobot.backends.base import Stop
 from qrobot.backends.classical import cpsat
 from qrobot.backends.classical.aisles import PLACES, compiled_soon
-from qrobot.problem import AisleWarehouse, Instance, Item, Order, Place, Slot
+from qrobot.problem import AisleWarehouse, Instance, Item, Order, Place, Slot, Stock
+from qrobot.problem.entities import picked
 from qrobot.warehouse import MAX_CROSS_AISLES, Router
 from qrobot.warehouse.prices import Relaxed, relax
 from qrobot.warehouse.scattered import Network, Offer, network_of, step_of
@@ -203,6 +204,7 @@ def _placed(instance: Instance, taken: dict[str, list[tuple[Place, int]]]) -> In
     """Return the instance with the items of each order taken from given places."""
     items = {item.id: item for item in instance.items}
     left = {article: list(places) for article, places in taken.items()}
+    bins = {(one.article, one.place): one for one in instance.stock}
     made: list[Item] = []
     orders: list[Order] = []
     names = set(items)
@@ -214,16 +216,21 @@ def _placed(instance: Instance, taken: dict[str, list[tuple[Place, int]]]) -> In
             groups[one.article if one.article in taken else f"\n{name}"].append(one)
         for article, group in groups.items():
             if article in left:
-                made += _picks(group, left[article], names)
+                made += _picks(group, left[article], names, bins)
             else:
                 made += group
         orders.append(Order(order.id, [item.id for item in made[first:]]))
     return dataclasses.replace(instance, items=tuple(made), orders=tuple(orders))
 
 
-def _picks(group: Sequence[Item], left: list[tuple[Place, int]], names: set[str]) -> list[Item]:
+def _picks(
+    group: Sequence[Item],
+    left: list[tuple[Place, int]],
+    names: set[str],
+    bins: Mapping[tuple[str, Place], Stock],
+) -> list[Item]:
     """Return the items of an order and article, taken from what is left of its places."""
-    wanted = pieces = sum(item.quantity for item in group)
+    wanted = sum(item.quantity for item in group)
     picks: list[tuple[Place, int]] = []
     while wanted:
         place, there = left.pop(0)
@@ -243,9 +250,7 @@ def _picks(group: Sequence[Item], left: list[tuple[Place, int]], names: set[str]
             names.add(name)
             known.append(name)
         number += 1
-    weight = sum(item.weight for item in group) / pieces
-    seconds = sum(item.pick_seconds for item in group) / pieces
     return [
-        Item(name, weight * took, place, seconds * took, took, group[0].article)
+        picked(group, name, bins[group[0].article, place], took)
         for name, (place, took) in zip(known, picks, strict=False)
     ]

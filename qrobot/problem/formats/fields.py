@@ -12,7 +12,13 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PlainValidator,
+    WithJsonSchema,
+)
 from pydantic_core import PydanticCustomError
 
 from qrobot.errors import InputError
@@ -30,6 +36,7 @@ __all__ = [
     "Number",
     "Positive",
     "Trips",
+    "Volume",
     "Weight",
     "quoted",
     "refuse",
@@ -142,6 +149,11 @@ Weight = Annotated[
     Fraction,
     PlainValidator(_exact),
     WithJsonSchema({"type": "number", "minimum": 0, "maximum": MAX_WEIGHT}),
+]
+Volume = Annotated[
+    Fraction,
+    PlainValidator(_exact),
+    WithJsonSchema({"type": "number", "minimum": 0, "maximum": MAX_WEIGHT, "default": 0}),
 ]
 Capacity = Annotated[
     Fraction,

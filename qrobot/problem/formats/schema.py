@@ -10,6 +10,7 @@ from __future__ import annotations
 import difflib
 import sys
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
@@ -24,7 +25,11 @@ from qrobot.problem.formats.fields import (
     Name,
     Number,
     Positive,
+<<<<<<< HEAD
     Trips,
+=======
+    Volume,
+>>>>>>> 243cc63 (Items and stocks have the label of their bin, volume and category, and plans, pick lists and schedules say the label)
     Weight,
     quoted,
     refuse,
@@ -36,9 +41,11 @@ __all__ = [
     "Document",
     "FleetModel",
     "FloorModel",
+    "ItemModel",
     "NodeModel",
     "PointModel",
     "SlotModel",
+    "StockModel",
     "json_schema",
 ]
 
@@ -266,6 +273,9 @@ class ItemModel(_Strict):
     quantity: Count = 1
     article: Name = ""
     level: Index = 0
+    label: Name = ""
+    volume: Volume = Field(default_factory=Fraction)
+    category: Name = ""
 
 
 class StockModel(_Strict):
@@ -274,6 +284,8 @@ class StockModel(_Strict):
     article: Name
     at: PlaceModel
     quantity: Count
+    level: Index = 0
+    label: Name = ""
 
 
 class Document(_Strict):
