@@ -20,6 +20,7 @@ __all__ = ["COMMANDS", "cli", "main"]
 
 COMMANDS = {
     "solve": "Plan which robot collects which orders, in which sequence, by which way.",
+    "waves": "Cut many orders into waves, and plan one after the other.",
     "next": "Rank the waiting orders by what each costs from where a robot stands now.",
     "check": "Check a plan against its instance, without trusting any solver.",
     "picklist": "Print what each robot takes at each stop, and the basket that it goes into.",

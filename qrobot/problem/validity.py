@@ -32,7 +32,7 @@ MAX_STOPS = 2_500
 50 MB, and every solver keeps a few of its size (a Pi 4 may have 2 GB)."""
 
 
-ADVICE = "plan them in waves"
+ADVICE = "plan them in waves (qrobot waves)"
 """What whoever asks for more than one plan should do."""
 
 
