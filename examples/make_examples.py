@@ -27,7 +27,9 @@ from qrobot.problem import (
     Point,
     Robot,
     Slot,
+    Times,
 )
+from qrobot.problem.fleets import NO_LIMIT
 from qrobot.problem.formats.jsontext import dumps
 from qrobot.problem.formats.native import to_text
 
@@ -124,6 +126,40 @@ def three_items(seed: int = 7) -> Instance:
     )
 
 
+def morning(seed: int = 5) -> Instance:
+    """Eight orders with due times, a release and a deadline, for two robots that come back."""
+    draw = random.Random(seed)
+    wishes: dict[str, dict[str, float]] = {
+        "A": {"due": 150, "priority": 3},
+        "B": {"due": 150},
+        "C": {"due": 300},
+        "D": {"due": 300},
+        "E": {"due": 300},
+        "F": {"release": 120},
+        "G": {},
+        "H": {"deadline": 400},
+    }
+    items, orders = [], []
+    for k, (name, times) in enumerate(wishes.items()):
+        own = tuple(f"{name}{j + 1}" for j in range(2 + k % 2))
+        for item in own:
+            pieces = draw.randint(1, 3)
+            weight = pieces * Fraction(draw.choice(["0.5", "1.2", "2"]))
+            place = Slot(draw.randrange(6), draw.randrange(10), draw.randrange(2))
+            level = draw.choice([0, 0, 1, 2])
+            items.append(Item(item, weight, place, quantity=pieces, level=level))
+        orders.append(Order(name, own, **times))
+    return Instance(
+        AisleWarehouse(6, 10, 2, aisle_pitch=3.5, end_gap=1.5, depot_distance=2.0),
+        tuple(items),
+        tuple(orders),
+        tuple(Robot(f"R{k + 1}", 14, 1.2, NO_LIMIT) for k in range(2)),
+        name="morning",
+        comment=OURS.format(seed=seed),
+        times=Times(per_trip=20, per_pick=4, per_piece=1.5, per_level=3),
+    )
+
+
 def csv_orders(seed: int = 11) -> tuple[str, str]:
     """Return orders as CSV, one article in several orders, and their layout."""
     draw = random.Random(seed)
@@ -215,6 +251,7 @@ def main(folder: Path) -> None:
         paper(seven, robots=2, capacity=15),
         paper(seven, robots=3, capacity=45),
         three_items(),
+        morning(),
     ):
         qrobot.write(instance, folder / f"{instance.name}.json")
     orders, layout = csv_orders()

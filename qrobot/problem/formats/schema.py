@@ -25,11 +25,8 @@ from qrobot.problem.formats.fields import (
     Name,
     Number,
     Positive,
-<<<<<<< HEAD
     Trips,
-=======
     Volume,
->>>>>>> 243cc63 (Items and stocks have the label of their bin, volume and category, and plans, pick lists and schedules say the label)
     Weight,
     quoted,
     refuse,
