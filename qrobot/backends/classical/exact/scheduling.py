@@ -76,7 +76,7 @@ class _Label:
 def steps_of(instance: Instance) -> int:
     """Return how many pairs of a set and a part of it `best_schedule` looks at."""
     kinds = len({(r.capacity, r.speed, r.trips) for r in instance.robots})
-    return int(min(3.0 ** len(instance.orders) * (kinds + len(instance.robots)), 1e18))
+    return 3 ** min(len(instance.orders), 40) * (kinds + len(instance.robots))
 
 
 def best_schedule(
