@@ -76,7 +76,7 @@ def measure(instance: Instance, trips: Sequence[Trip], lengths: Sequence[float])
         robot = robots.get(trip.robot)
         if robot is None:
             continue
-        now = watch.get(robot.id, 0.0)
+        now = watch.get(robot.id, robot.available)
         own = [items[stop] for stop in trip.stops if stop in items]
         for item in own:
             now = max(now, owner[item.id].release)

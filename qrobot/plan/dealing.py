@@ -77,7 +77,7 @@ def cost_of_robot(
     if not trips:
         return 0.0, 0.0
     robot = instance.robots[r]
-    spent = spans(trips, robot.speed)
+    spent = spans(trips, robot)
     value = objective.per_robot + len(trips) * objective.per_trip(instance.times)
     value += objective.rate(robot) * sum(trip.length for trip in trips)
     for trip, (_, ends) in zip(trips, spent, strict=True):
@@ -163,7 +163,8 @@ def deal(
     if not left.fits:
         raise ValueError(f"{len(routes)} trips for {left.turns.sum()} turns of the robots")
     rates = np.array([objective.rate(robot) for robot in instance.robots])
-    back = np.zeros(len(instance.robots))
+    back = np.array([robot.available for robot in instance.robots])
+    last = 0.0
     turns = [0] * len(instance.robots)
     chosen = [(0, 0)] * len(routes)
 
@@ -177,8 +178,8 @@ def deal(
         able = left.robots_for(int(loads[i]))
         ends = np.maximum(back[able], trips[i].release) + seconds[i, able]
         added = rates[able] * trips[i].length
-        added += objective.per_robot * (back[able] == 0.0)
-        added += objective.makespan * np.maximum(ends - back.max(), 0.0)
+        added += objective.per_robot * np.array([turns[r] == 0 for r in able])
+        added += objective.makespan * np.maximum(ends - last, 0.0)
         if objective.lateness or instance.has_deadlines:
             added += [
                 price_of_end(instance, objective, trips[i], float(end), MISSED) for end in ends
@@ -190,6 +191,7 @@ def deal(
         chosen[i] = robot, turns[robot]
         turns[robot] += 1
         back[robot] = ends[best]
+        last = max(last, float(ends[best]))
     return chosen
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from qrobot.problem.entities import Robot
 from qrobot.problem.instance import Instance
 
 __all__ = ["TimedRoute", "lateness", "overdue", "seconds_of", "spans", "timed"]
@@ -66,16 +67,16 @@ def seconds_of(trip: TimedRoute, speed: float) -> float:
     return trip.standing + trip.length / speed
 
 
-def spans(trips: Iterable[TimedRoute], speed: float) -> list[tuple[float, float]]:
-    """Return when each trip of one robot begins and ends, seconds since all robots began.
+def spans(trips: Iterable[TimedRoute], robot: Robot) -> list[tuple[float, float]]:
+    """Return when each trip of a robot begins and ends, seconds since all robots began.
 
-    A trip, with its set-up, begins when the robot is back from the one before and all orders
-    of the trip are released.
+    A trip, with its set-up, begins when the robot is available or back from the one before, and
+    all orders of the trip are released.
     """
-    found, now = [], 0.0
+    found, now = [], robot.available
     for trip in trips:
         begins = max(now, trip.release)
-        now = begins + seconds_of(trip, speed)
+        now = begins + seconds_of(trip, robot.speed)
         found.append((begins, now))
     return found
 

@@ -203,17 +203,25 @@ class Robot:
         Metres a second, for times in reports; distances do not depend on it.
     trips
         The most trips the robot may make.
+    available
+        When its first trip may begin, seconds: it comes later, or is still under way.
     """
 
     id: str
     capacity: Fraction
     speed: float = 1.0
     trips: int = 1
+    available: float = 0.0
 
     if TYPE_CHECKING:
 
         def __init__(
-            self, id: str, capacity: Quantity, speed: float = 1.0, trips: int = 1
+            self,
+            id: str,
+            capacity: Quantity,
+            speed: float = 1.0,
+            trips: int = 1,
+            available: float = 0.0,
         ) -> None: ...
 
     def __post_init__(self) -> None:

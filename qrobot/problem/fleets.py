@@ -55,7 +55,7 @@ def fleet_of_size(robots: tuple[Robot, ...], count: int | None, orders: int) -> 
     check_fleet_size(count, "robots")
     if count <= len(robots):
         return robots[:count]
-    if len({(r.capacity, r.speed, r.trips) for r in robots}) > 1:
+    if len({(r.capacity, r.speed, r.trips, r.available) for r in robots}) > 1:
         raise InputError(
             f"{count} robots are more than the {len(robots)} that there are, and these are not "
             "alike",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from qrobot.errors import InputError
 from qrobot.problem.entities import Item, Order
 
-__all__ = ["Times", "check_order_times"]
+__all__ = ["Times", "check_available", "check_order_times"]
 
 MAX_SECONDS = 1e6
 """More than a week for one act is a mistake."""
@@ -65,6 +65,16 @@ class Times:
             + self.per_pick
             + self.per_piece * item.quantity
             + self.per_level * item.level
+        )
+
+
+def check_available(seconds: float, robot: str, field: str) -> None:
+    """Refuse a robot that is available at no time that can be."""
+    if not 0 <= seconds < MAX_CLOCK:
+        raise InputError(
+            f"available {seconds:g} of robot {robot!r} is not 0 to {MAX_CLOCK:g}",
+            field=field,
+            advice="give seconds from the moment when all robots begin",
         )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from qrobot.errors import InputError
 from qrobot.problem.checks import first_invisible
 from qrobot.problem.entities import Item, Order, Robot, Stock
-from qrobot.problem.times import check_order_times
+from qrobot.problem.times import check_available, check_order_times
 from qrobot.problem.warehouse import Place, Warehouse
 
 __all__ = [
@@ -154,6 +154,7 @@ def check_robots(robots: Sequence[Robot]) -> None:
                 field=f"robots[{i}].speed",
                 advice="use metres a second above zero",
             )
+        check_available(robot.available, robot.id, f"robots[{i}].available")
         if robot.trips < 1:
             raise InputError(
                 f"{robot.trips} trips for robot {robot.id!r} are too few",

@@ -330,7 +330,7 @@ def schedule_of(scene: Scene) -> Schedule:
     for journey in scene.journeys:
         before = trips[journey.robot.id]
         released = max((release[order] for order in journey.trip.orders), default=0.0)
-        begins = max(before[-1].ends if before else 0.0, released)
+        begins = max(before[-1].ends if before else journey.robot.available, released)
         visits = tuple(timeline(journey, times))
         before.append(TimedTrip(journey, begins, begins + times.per_trip, visits))
     return Schedule(scene, tuple(RobotSchedule(name, tuple(own)) for name, own in trips.items()))

@@ -62,6 +62,7 @@ def jobs(draw: st.DrawFn, *, most: int = 4) -> Instance:
             draw(st.sampled_from([4, 8, 12])),
             draw(st.sampled_from([0.5, 1.0, 2.0])),
             draw(st.integers(1, 3)),
+            draw(st.sampled_from([0.0, 0.0, 25.0])),
         )
         for r in range(draw(st.integers(1, 3)))
     )
@@ -103,7 +104,7 @@ def value(
     for robot, trips in zip(instance.robots, plan, strict=True):
         if len(trips) > robot.trips:
             return math.inf
-        clock = 0.0
+        clock = robot.available if trips else 0.0
         for trip in trips:
             orders = [instance.orders[o] for o in trip]
             picked = [item[name] for order in orders for name in order.items]

@@ -199,10 +199,11 @@ def _layout(document: Document) -> Layout:
     if isinstance(fleet, FleetModel):
         check_fleet_size(fleet.count, "robots.count")
         robots = tuple(
-            Robot(f"R{k + 1}", fleet.capacity, fleet.speed, fleet.trips) for k in range(fleet.count)
+            Robot(f"R{k + 1}", fleet.capacity, fleet.speed, fleet.trips, fleet.available)
+            for k in range(fleet.count)
         )
     else:
-        robots = tuple(Robot(r.id, r.capacity, r.speed, r.trips) for r in fleet)
+        robots = tuple(Robot(r.id, r.capacity, r.speed, r.trips, r.available) for r in fleet)
     try:
         check_robots(robots)
     except InputError as error:

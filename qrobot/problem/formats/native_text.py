@@ -108,6 +108,7 @@ def _robots_data(robots: tuple[Robot, ...]) -> Any:
             "capacity": _decimal(r.capacity),
             "speed": r.speed,
             "trips": r.trips if r.trips < NO_LIMIT else "free",
+            **({"available": r.available} if r.available else {}),
         }
         for r in robots
     ]

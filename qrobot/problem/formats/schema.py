@@ -204,6 +204,7 @@ class _Drive(_Strict):
     capacity: Capacity
     speed: Positive = 1.0
     trips: Trips = 1
+    available: Length = 0.0
 
 
 class FleetModel(_Drive):

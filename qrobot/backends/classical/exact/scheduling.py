@@ -75,8 +75,8 @@ class _Label:
 
 def steps_of(instance: Instance) -> int:
     """Return how many pairs of a set and a part of it `best_schedule` looks at."""
-    kinds = len({(r.capacity, r.speed, r.trips) for r in instance.robots})
-    return 3 ** min(len(instance.orders), 40) * (kinds + len(instance.robots))
+    kinds = len({(r.capacity, r.speed, r.trips, r.available) for r in instance.robots})
+    return int(3 ** min(len(instance.orders), 40)) * (kinds + len(instance.robots))
 
 
 def best_schedule(
@@ -108,7 +108,7 @@ def best_schedule(
     known: dict[tuple[object, ...], list[list[_Label]]] = {}
     joined = [[_Label(0.0, 0.0, 0)], *([] for _ in range(search.all))]
     for r, robot in enumerate(instance.robots):
-        kind = (robot.capacity, robot.speed, robot.trips)
+        kind = (robot.capacity, robot.speed, robot.trips, robot.available)
         if kind not in known:
             own = search.of_robot(r, stop)
             if own is None:
@@ -152,7 +152,8 @@ class _Search:
         robot, room = self.instance.robots[r], int(self.instance.capacities[r])
         limited = robot.trips < len(self.instance.orders)
         able = {mask: (row, trip) for mask, (row, trip) in self.trips.items() if trip.load <= room}
-        found = [[_Label(self.objective.per_robot, 0.0, 0)], *([] for _ in range(self.all))]
+        begins = robot.available if self.clocked else 0.0
+        found = [[_Label(self.objective.per_robot, begins, 0)], *([] for _ in range(self.all))]
         for whole in range(1, self.all + 1):
             if not whole & 255 and stop():
                 return None
