@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -68,6 +69,12 @@ __all__ = ["command"]
     "--control", is_flag=True, help="Sampler: also report as many random reads and starts."
 )
 @click.option("--fallback", help="Local backend that plans when the first one fails.")
+@click.option(
+    "--each-robot",
+    metavar="BACKEND",
+    help="Let this backend plan the sequence of each trip alone, with half of the time; sampler "
+    "options are its own then.",
+)
 @click.option("--max-cost", type=float, help="US dollars: refuse a remote job that may cost more.")
 @click.option("--dry-run", is_flag=True, help="Estimate the cost of a remote job; submit nothing.")
 @click.option("--no-wait", is_flag=True, help="Submit a remote job, print its id and exit.")
@@ -92,6 +99,7 @@ def command(
     settings: tuple[tuple[str, Any], ...],
     dry_run: bool,
     no_wait: bool,
+    each_robot: str | None,
     output: tuple[str, ...],
     picture: tuple[str, ...],
     as_json: bool,
@@ -112,6 +120,7 @@ def command(
       qrobot solve examples/small-warehouse.json --objective time -p moving.html
       qrobot solve examples/orders.csv --layout examples/layout.json
       qrobot solve examples/paper-7-items.json --backend neal --control
+      qrobot solve examples/small-warehouse.json --each-robot neal --reads 50
       qrobot solve X-n101-k25.vrp --robots free --deadline 30
       qrobot solve examples/paper-4-items-m45.json --robots 1 -b qiskit-vqe -O layers=1
       qrobot solve examples/paper-7-items.json -b dwave-qpu --dry-run
@@ -121,8 +130,9 @@ def command(
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from qrobot.backends.registry import require
 
-    if asked["fallback"] is None:
-        require(backend)  # before numpy and dimod: a missing package is reported at once
+    wanted = [backend if asked["fallback"] is None else None, each_robot]
+    for name in filter(None, wanted):
+        require(name)  # before numpy and dimod: a missing package is reported at once
     from qrobot.cli.progress import progress_line
     from qrobot.cli.signals import stop_on_signals
     from qrobot.planning import solve
@@ -140,18 +150,21 @@ def command(
         with progress_line(quiet or as_json) as line:
             instance = question.read()
             if dry_run or no_wait:
-                useless = {"--output": output, "--picture": picture}
+                useless: dict[str, Any] = {"--output": output, "--picture": picture}
                 useless |= {
                     f"--{name}": asked[name] for name in ("control", "fallback", "deadline")
                 }
-                _refuse("--dry-run" if dry_run else "--no-wait", useless)
+                useless["--each-robot"] = each_robot
                 useless["--routing"] = asked["routing"] != "exact"
+                _refuse("--dry-run" if dry_run else "--no-wait", useless)
                 part = _estimate if dry_run else _hand_over
                 part(instance, backend, asked, options, as_json)
                 return
             try:
-                result = solve(
-                    instance, backend=backend, stop=stop, on_progress=line, **asked, **options
+                plan = solve if each_robot is None else partial(_decentral, each_robot, options)
+                more = options if each_robot is None else {}
+                result = plan(
+                    instance, backend=backend, stop=stop, on_progress=line, **asked, **more
                 )
             except InfeasibleError as error:
                 if stop.requested and not error.proven:
@@ -175,6 +188,20 @@ def command(
     if not (quiet or as_json):
         for path in [*output, *picture]:
             say(f"written: {path}")
+
+
+def _decentral(
+    each_robot: str, options: dict[str, Any], instance: Instance, **asked: Any
+) -> Result:
+    """Plan centrally with half of the time, and let each robot plan its sequences in the other."""
+    from qrobot.planning import route_each, solve
+
+    deadline = None if asked["deadline"] is None else asked["deadline"] / 2
+    central = {**asked, "deadline": deadline, "control": False, "max_cost": None}
+    result = solve(instance, **central)
+    names = ("max_work", "seed", "control", "max_cost", "stop", "on_progress")
+    own = {name: asked[name] for name in names}
+    return route_each(result, each_robot, deadline=deadline, **own, **options)
 
 
 def _write(result: Result, output: tuple[str, ...], picture: tuple[str, ...]) -> Exception | None:

@@ -5,16 +5,20 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from qrobot.planning.own_trips import EachRobot, OwnTrip
 from qrobot.planning.result import Result, SamplerReport, Timing
 from qrobot.planning.run import Progress
 from qrobot.planning.solving import DEFAULT_DEADLINE, solve
 
 if TYPE_CHECKING:
+    from qrobot.planning.each_robot import route_each
     from qrobot.planning.ranking import RankedOrder, rank_orders
     from qrobot.planning.remote_jobs import collect, estimate, submit
 
 __all__ = [
     "DEFAULT_DEADLINE",
+    "EachRobot",
+    "OwnTrip",
     "Progress",
     "RankedOrder",
     "Result",
@@ -23,6 +27,7 @@ __all__ = [
     "collect",
     "estimate",
     "rank_orders",
+    "route_each",
     "solve",
     "submit",
 ]
@@ -33,6 +38,7 @@ _LAZY = {
     "collect": "qrobot.planning.remote_jobs",
     "estimate": "qrobot.planning.remote_jobs",
     "rank_orders": "qrobot.planning.ranking",
+    "route_each": "qrobot.planning.each_robot",
     "submit": "qrobot.planning.remote_jobs",
 }
 """Loaded on first use: remote jobs need dimod, which takes longer to load than all of the rest."""

@@ -15,6 +15,7 @@ from qrobot._notebook import html_table, shown_name
 from qrobot._numbers import number
 from qrobot.plan import Measures, Plan, objective_named
 from qrobot.plan.plan import TABLE_HEADS
+from qrobot.planning.own_trips import EachRobot
 from qrobot.problem import Instance
 
 __all__ = ["Ending", "Result", "SamplerReport", "Timing"]
@@ -168,6 +169,8 @@ class Result:
     measures
         What the plan comes to by every measure, as the checker found: metres, seconds of work,
         when the last robot is back, lateness, trips, robots.
+    each_robot
+        What the central plan cost, where each robot planned its own sequences (`route_each`).
     """
 
     instance: Instance
@@ -184,6 +187,7 @@ class Result:
     notes: tuple[str, ...] = ()
     answered_by: str = ""
     measures: Measures | None = None
+    each_robot: EachRobot | None = None
 
     def __post_init__(self) -> None:
         """Say who answered: who was asked, unless a fallback did."""
@@ -293,6 +297,8 @@ class Result:
                     f"control, as many random starts with the same repair and polish: "
                     f"best {number(s.control_best)}, mean {number(s.control_mean)}"
                 )
+        if self.each_robot is not None:
+            lines.append(self.each_robot.to_text())
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 
@@ -312,6 +318,7 @@ class Result:
             "robots_used": self.plan.robots_used,
             "measures": None if self.measures is None else self.measures.to_dict(),
             "late": self.late,
+            "each_robot": None if self.each_robot is None else self.each_robot.to_dict(),
             "backend": self.backend,
             "answered_by": self.answered_by,
             "steps": list(self.steps),
