@@ -25,6 +25,7 @@ __all__ = [
     "can_take_files",
     "check_outputs",
     "path_text",
+    "read_bytes",
     "read_text",
     "refusal",
     "replace_file",
@@ -93,6 +94,17 @@ def read_text(path: StrPath, *, fallback: str | None = None) -> str:
     InputError
         When the file is missing, unreadable, empty, binary, in another encoding or huge.
     """
+    return _decoded(read_bytes(path), path_text(path), fallback)
+
+
+def read_bytes(path: StrPath) -> bytes:
+    """Return the content of a regular file.
+
+    Raises
+    ------
+    InputError
+        When the file is missing, unreadable or huge.
+    """
     source = path_text(path)
     try:
         # Not blocking: opening a pipe that nobody writes to would wait for ever.
@@ -110,12 +122,11 @@ def read_text(path: StrPath, *, fallback: str | None = None) -> str:
                     source=source,
                     advice="plan in waves, with one file each",
                 )
-            data = file.read()
+            return file.read()
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         if isinstance(error, InputError):
             raise
         raise refusal("read", source, error) from None
-    return _decoded(data, source, fallback)
 
 
 def _decoded(data: bytes, source: str, fallback: str | None) -> str:

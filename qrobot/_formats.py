@@ -5,7 +5,15 @@ from __future__ import annotations
 import importlib.metadata
 from typing import NamedTuple
 
-__all__ = ["BUILTIN", "KnownFormat", "known_formats", "plugins"]
+__all__ = [
+    "BUILTIN",
+    "MASTERS",
+    "MASTER_SUFFIXES",
+    "KnownFormat",
+    "is_beside",
+    "known_formats",
+    "plugins",
+]
 
 GROUP = "qrobot.formats"
 
@@ -18,14 +26,25 @@ class KnownFormat(NamedTuple):
     options: tuple[str, ...] = ()
 
 
+TABLE = ("layout", "locations", "articles", "columns", "ignore_columns", "sheet")
+"""Options of orders in a table."""
+
+MASTERS = ("locations", "articles")
+"""Tables that may lie beside orders; see `qrobot.problem.formats.masters`."""
+
+MASTER_SUFFIXES = (".csv", ".xlsx")
+
 BUILTIN = {
     ".json": (KnownFormat("qrobot.problem.formats.native", "native"),),
     ".csv": (
         KnownFormat(
             "qrobot.problem.formats.csvs",
             "orders with a layout beside them",
-            ("layout", "ignore_columns"),
+            TABLE,
         ),
+    ),
+    ".xlsx": (
+        KnownFormat("qrobot.problem.formats.xlsx", "the same as the sheet of a workbook", TABLE),
     ),
     ".vrp": (KnownFormat("qrobot.problem.formats.vrp", "CVRPLIB and QOBLIB", ("rounding",)),),
     ".txt": (
@@ -35,6 +54,12 @@ BUILTIN = {
     ".ord": (KnownFormat("qrobot.problem.formats.picking_lorenci", "Lorenci", ("layout",)),),
 }
 """By suffix; a module is imported when a file of its kind is met."""
+
+
+def is_beside(name: str) -> bool:
+    """Return whether a file of that name belongs to the orders beside it, and has none itself."""
+    layouts = ("layout.json", *(f"{kind}{end}" for kind in MASTERS for end in MASTER_SUFFIXES))
+    return name in layouts or name.endswith(tuple(f".{layout}" for layout in layouts))
 
 
 def plugins() -> dict[str, importlib.metadata.EntryPoint]:

@@ -63,7 +63,7 @@ class ReadingCommand(click.Command):
             "{formats}": ", ".join(f"{suffix} ({name})" for suffix, name, _ in known),
             "{suffixes}": ", ".join(dict.fromkeys(suffix for suffix, *_ in known)),
         }
-        for option in ("layout", "ignore_columns", "rounding"):
+        for option in {option for *_, options in known for option in options}:
             words[f"{{{option}}}"] = ", ".join(x for x, _, options in known if option in options)
         filled = copy.copy(self)
         filled.params = [copy.copy(param) for param in self.params]
@@ -77,6 +77,23 @@ class ReadingCommand(click.Command):
 
 def _names(_ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name.strip() for text in value for name in text.split(",") if name.strip())
+
+
+def _mapping(
+    _ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]
+) -> dict[str, list[str]]:
+    """Return what the files call our columns, of texts such as ``order=OrderNo,place=BIN``."""
+    found: dict[str, list[str]] = {}
+    for part in (part for text in value for part in text.split(",") if part.strip()):
+        ours, equals, theirs = map(str.strip, part.partition("="))
+        if not (ours and equals and theirs):
+            raise InputError(
+                f"{part.strip()!r:.60} maps nothing",
+                field="--columns",
+                advice="write it as order=OrderNo: our name, and the one in the header",
+            )
+        found.setdefault(ours.lower(), []).append(theirs)
+    return found
 
 
 rounding = click.option(
@@ -116,7 +133,8 @@ class Question:
     @property
     def files(self) -> list[str]:
         """All files that are read."""
-        return [path for path in (self.path, self.options["layout"]) if path]
+        beside = (self.options[name] for name in ("layout", "locations", "articles"))
+        return [path for path in (self.path, *beside) if path]
 
     def read(self) -> Instance:
         """Return the instance."""
@@ -137,11 +155,28 @@ def _reading_options(
     """
     options = {
         "layout": click.option("--layout", type=FILE, help="Layout and robots of {layout} orders."),
+        "locations": click.option(
+            "--locations", type=FILE, help="Where the bins of {locations} orders are, by labels."
+        ),
+        "articles": click.option(
+            "--articles", type=FILE, help="What the articles of {articles} orders weigh."
+        ),
+        "columns": click.option(
+            "--columns",
+            metavar="OURS=THEIRS,..",
+            multiple=True,
+            callback=_mapping,
+            help="What {columns} files call our columns: order=OrderNo,article=SKU. Repeatable.",
+        ),
         "ignore_columns": click.option(
             "--ignore-columns",
             multiple=True,
             callback=_names,
-            help="Columns of {ignore_columns} orders to ignore, separated by commas.",
+            help="Columns of {ignore_columns} orders to ignore, separated by commas; '*': all "
+            "that are not known.",
+        ),
+        "sheet": click.option(
+            "--sheet", metavar="NAME", help="The sheet of an .xlsx that has the orders."
         ),
         "rounding": rounding,
         "robots": click.option("--robots", type=Robots(), help=robots),

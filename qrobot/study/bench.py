@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from qrobot._files import write_text_atomic
+from qrobot._formats import is_beside
 from qrobot._json import json_text
 from qrobot._processes import child_environment, python_command
 from qrobot.errors import InputError
@@ -121,8 +122,9 @@ def find_instances(folder: str | os.PathLike[str], match: str = "*") -> list[Pat
         path
         for path in _files_in(root)
         if path.suffix.lower() in known
-        and path.name not in {"index.json", "layout.json"}
-        and not path.name.endswith((".layout.json", ".schema.json"))
+        and path.name != "index.json"
+        and not is_beside(path.name)
+        and not path.name.endswith(".schema.json")
         and any(
             fnmatch.fnmatch(name, pattern)
             for name in (path.name, path.relative_to(root).as_posix())

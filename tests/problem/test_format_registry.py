@@ -41,17 +41,17 @@ def test_ours_are_registered_under_their_own_suffix(suffix: str) -> None:
     assert found
     for format_ in found:
         assert format_.suffix == suffix
-        assert format_.options <= {"layout", "ignore_columns", "rounding"}
+        assert format_.options <= {*_formats.TABLE, "rounding"}
         assert len(found) == 1 or format_.recognise is not None
 
 
 def test_a_registered_format_is_read_found_and_named(tmp_path: Path) -> None:
     path = tmp_path / "a.COPY"
     path.write_text(str(EXAMPLES / "paper-7-items.json"))
-    with pytest.raises(InputError, match=r"give a \.json, \.csv, \.vrp, \.txt or \.ord file"):
+    with pytest.raises(InputError, match=r"give a \.json, \.csv, \.xlsx, \.vrp, \.txt or \.ord fi"):
         qrobot.read(path)
     register(COPY)
-    assert suffixes() == [".json", ".csv", ".vrp", ".txt", ".ord", ".copy"]
+    assert suffixes() == [".json", ".csv", ".xlsx", ".vrp", ".txt", ".ord", ".copy"]
     assert qrobot.read(path, robots=2).items == qrobot.read(EXAMPLES / "paper-7-items.json").items
     assert find_instances(tmp_path) == [path]
     with pytest.raises(InputError, match="a layout belongs to CSV orders"):
@@ -70,10 +70,11 @@ def test_the_help_names_the_formats_that_there_are(monkeypatch: pytest.MonkeyPat
         helps[name] = " ".join(words)
     assert ".vrp (CVRPLIB and QOBLIB)" in helps["solve"]
     assert ".xyz (of house:FORMAT)" in helps["solve"]
-    assert "(.json, .csv, .vrp, .txt, .ord, .xyz)" in helps["bench"]
+    assert "(.json, .csv, .xlsx, .vrp, .txt, .ord, .xyz)" in helps["bench"]
     readers = ("solve", "next", "check", "picklist", "schedule")
-    assert all("robots of .csv, .ord orders" in helps[name] for name in readers)
-    places = r"\{(formats|suffixes|layout|ignore_columns|rounding)\}"
+    assert all("robots of .csv, .xlsx, .ord orders" in helps[name] for name in readers)
+    options = "|".join([*_formats.TABLE, "rounding"])
+    places = rf"\{{(formats|suffixes|{options})\}}"
     assert not any(re.search(places, text) for text in helps.values())
 
 
@@ -89,7 +90,7 @@ def test_a_file_that_is_only_read_is_not_written(name: str, tmp_path: Path) -> N
 def test_a_suffix_that_cannot_be_one_is_refused(suffix: str) -> None:
     with pytest.raises(InputError, match=r"suffix: "):
         register(Format("x", suffix, read=read_copy))
-    assert suffixes() == [".json", ".csv", ".vrp", ".txt", ".ord"]
+    assert suffixes() == [".json", ".csv", ".xlsx", ".vrp", ".txt", ".ord"]
 
 
 @pytest.mark.parametrize("name", ["small-warehouse.json", "paper-7-items.json"])

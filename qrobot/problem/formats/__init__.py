@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import cast
 
 from qrobot._files import StrPath, path_text, write_text_atomic
+from qrobot._formats import is_beside
 from qrobot.errors import InputError
 from qrobot.problem.fleets import with_trips
 from qrobot.problem.formats.registry import (
@@ -34,6 +35,10 @@ _FOREIGN = {
     # option: (field, problem, advice), where a file's format does not know it
     "layout": (None, "a layout belongs to CSV orders", "leave it out, or give a .csv"),
     "ignore_columns": ("ignore_columns", "columns belong to CSV orders", "leave it out"),
+    "columns": ("columns", "columns belong to CSV orders", "leave it out"),
+    "locations": (None, "a location table belongs to CSV orders", "leave it out, or give a .csv"),
+    "articles": (None, "an article master belongs to CSV orders", "leave it out, or give a .csv"),
+    "sheet": ("sheet", "sheets belong to workbooks", "leave it out, or give an .xlsx"),
     "rounding": (
         "rounding",
         "rounding belongs to .vrp files",
@@ -52,6 +57,10 @@ def read(
     split_orders: bool = False,
     rounding: str | None = None,
     ignore_columns: Sequence[str] = (),
+    columns: Mapping[str, str | Sequence[str]] | None = None,
+    locations: StrPath | None = None,
+    articles: StrPath | None = None,
+    sheet: str | None = None,
     pool: bool = False,
 ) -> Instance:
     """Return the instance of a file, whatever its format.
@@ -76,7 +85,15 @@ def read(
         Of the distances of a ``.vrp`` file: ``none``, ``nearest``, ``up`` or ``down`` in the
         place of what its EDGE_WEIGHT_TYPE demands.
     ignore_columns
-        Columns of CSV orders that are not ours, such as notes.
+        Columns of CSV orders that are not ours, such as notes; ``*``: all that are not known.
+    columns
+        What a table calls our columns, such as ``{"order": "OrderNo"}``, in all its files.
+    locations, articles
+        The location table and the article master of CSV orders; by default
+        ``<stem>.locations.csv`` or ``locations.csv`` (or ``.xlsx``) beside them, or the sheet of
+        that name in their workbook.
+    sheet
+        The sheet of a workbook that has the orders, where there are several.
     pool
         Orders for `qrobot.planning.waves`: native JSON and CSV may hold more than one plan does,
         and no distances are made.
@@ -99,6 +116,10 @@ def read(
             capacity=None if capacity is None else exact(capacity, field="capacity"),
             rounding=rounding,
             ignore_columns=ignore_columns,
+            columns=columns or {},
+            locations=locations,
+            articles=articles,
+            sheet=sheet,
             pool=pool,
         )
         instance = _read_file(path, options, robots)
@@ -166,7 +187,7 @@ def example_path(path: StrPath) -> Path | None:
         file.stem: file
         for place in _EXAMPLES
         for file in sorted(place.glob("*"))
-        if file.suffix in suffixes() and file.stem != "layout"
+        if file.suffix in suffixes() and not is_beside(file.name)
     }
     if name not in found:
         raise InputError(

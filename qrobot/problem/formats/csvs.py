@@ -1,46 +1,92 @@
-"""Orders as CSV, with the layout and the robots as native JSON beside them.
+"""Orders as a table, CSV or a workbook, with the layout and the robots as native JSON beside them.
 
-Columns, in any sequence: ``order, item, weight`` and the place (``aisle, slot`` and, when
-wanted, ``block`` and ``side``; or ``x, y``; or ``node``), ``pick_seconds`` (of one piece), and
-``quantity`` when one line means several pieces. An unknown column is refused, not passed
-over: a misspelt ``quantity`` would lose weight without a word.
+Columns, in any sequence: ``order``, ``item`` or ``article``, ``weight`` and the place (``aisle,
+slot`` and, when wanted, ``block`` and ``side``; or ``x, y``; or ``node``; or ``place``, a label
+that a location table explains), ``pick_seconds`` (of one piece), and ``quantity`` when one line
+means several pieces. What an article weighs and where it lies may stand in an article master
+instead. An unknown column is refused, not passed over: a misspelt ``quantity`` would lose weight
+without a word.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from qrobot._files import StrPath, read_text
+from qrobot._files import StrPath
+from qrobot._text import count
 from qrobot.errors import InputError
-from qrobot.problem import Instance, Item, Node, Order, Place, Point, Slot
-from qrobot.problem.formats.cells import Line, read_lines
+from qrobot.problem import Instance, Item, Order, Place
+from qrobot.problem.formats.cells import Line
+from qrobot.problem.formats.columns import PLACES, Kind, Wishes, lines_of
+from qrobot.problem.formats.masters import (
+    Bin,
+    Masters,
+    article_column,
+    articles_of,
+    bins_of,
+    master_sheet,
+    name_of,
+)
 from qrobot.problem.formats.native import Layout, read_layout
 from qrobot.problem.formats.registry import ReadOptions, builtin, checked
+from qrobot.problem.formats.sheets import Sheet, read_sheet
+from qrobot.problem.validity import some
 
-__all__ = ["FORMAT", "read_csv"]
+__all__ = ["FORMAT", "read_orders"]
+
+_LABELS = (
+    *((needed, more | {"place"}) for needed, more in PLACES),
+    (frozenset({"place"}), frozenset()),
+)
+"""Places of orders: numbers, which may have a label, or a label alone."""
+
+_OTHERS = (
+    "weight",
+    "quantity",
+    "pick_seconds",
+    "aisle",
+    "block",
+    "slot",
+    "side",
+    "x",
+    "y",
+    "node",
+    "place",
+    "level",
+    "volume",
+    "category",
+)
 
 
-def read_csv(path: Path, options: ReadOptions) -> Instance:
-    """Return the instance of CSV orders and their layout, a native document without items.
+def read_orders(path: Path, options: ReadOptions) -> Instance:
+    """Return the instance of a table of orders and their layout, a native document without items.
 
-    Comma, semicolon or tab separate; with the latter two a decimal comma is understood. A byte
-    order mark, a line ``sep=;``, any line ends and empty columns are fine.
+    In CSV comma, semicolon or tab separate; with the latter two a decimal comma is understood. A
+    byte order mark, a line ``sep=;``, any line ends and empty columns are fine.
     """
-    lines = read_lines(read_text(path), options.ignore_columns)
+    known = ("order", "item", "article", *_OTHERS)
+    wishes = Wishes.of(options.columns, options.ignore_columns, known)
+    sheet = read_sheet(path, "orders", options.sheet)
+    locations, missing = master_sheet(path, options.locations, "locations")
+    articles, _ = master_sheet(path, options.articles, "articles")
+    sheets = [one for one in (sheet, locations, articles) if one is not None]
+    wishes.check(sheets)
+    goods = None if articles is None else articles_of(articles, wishes)
+    lines, passed = lines_of(sheet, _kind(goods), wishes)
     plan = _layout_of(path, options.layout)
+    bins = None if locations is None else bins_of(locations, wishes, plan.warehouse)
+    masters = Masters(bins, goods, missing if locations is None else locations.source)
+    found = [masters.bin(line) for line in lines]
     items: list[Item] = []
     orders: dict[str, list[str]] = {}
-    for line, id_ in zip(lines, _ids(lines), strict=True):
-        pieces = line.whole("quantity", least=1) if line.has("quantity") else 1
-        seconds = line.number_of("pick_seconds") if line.has("pick_seconds") else Fraction(0)
-        weight, seconds = _weight(line) * pieces, seconds * pieces
-        article = line.text("item") if line.text("item") != id_ else ""
-        items.append(Item(id_, weight, _place(line), float(seconds), pieces, article))
+    for line, id_, one in zip(lines, _ids(lines, found), found, strict=True):
+        items.append(_item(line, id_, one, masters))
         orders.setdefault(line.text("order"), []).append(id_)
+    remarks = [*_remarks(lines, items, sheets), *_passed(passed)]
 
     def make() -> Instance:
         return Instance(
@@ -51,11 +97,72 @@ def read_csv(path: Path, options: ReadOptions) -> Instance:
             times=plan.times,
             name=path.stem,
             comment=plan.comment,
-            remarks=() if items else ("the file has a header but no orders",),
+            remarks=tuple(remarks),
             pool=options.pool,
         )
 
     return checked(make, lambda field: _where(lines, field))
+
+
+def _kind(goods: Mapping[str, Line] | None) -> Kind:
+    """Return which columns orders must have: not those that the article master has."""
+    there = next(iter((goods or {}).values()), None)
+    weight = () if there is not None and there.has("weight") else (("weight",),)
+    places = () if there is not None and there.has("place") else _LABELS
+    return Kind((("order",), ("item", "article"), *weight), _OTHERS, places)
+
+
+def _item(line: Line, id_: str, found: Bin, masters: Masters) -> Item:
+    pieces = line.whole("quantity", least=1) if line.has("quantity") else 1
+    weight = masters.quantity(line, "weight")
+    if weight is None:
+        raise line.error(
+            article_column(line),
+            f"nothing says what {name_of(line)!r:.60} weighs",
+            "add it to the article master",
+        )
+    return Item(
+        id_,
+        weight * pieces,
+        found.place,
+        float((masters.quantity(line, "pick_seconds") or 0) * pieces),
+        pieces,
+        name_of(line) if name_of(line) != id_ else "",
+        level=found.level,
+        label=found.label,
+        volume=(masters.quantity(line, "volume") or 0) * pieces,
+        category=masters.text(line, "category"),
+    )
+
+
+def _remarks(lines: Sequence[Line], items: Sequence[Item], sheets: Iterable[Sheet]) -> list[str]:
+    """Return what whoever made the files may not have meant."""
+    if not lines:
+        return ["the file has a header but no orders"]
+    weights: defaultdict[str, set[Fraction]] = defaultdict(set)
+    places: defaultdict[str, set[tuple[Place, str]]] = defaultdict(set)
+    for line, item in zip(lines, items, strict=True):
+        weights[name_of(line)].add(item.weight / item.quantity)
+        places[name_of(line)].add((item.place, item.label))
+    found = []
+    for what, several, each in (
+        ("weights", weights, "each line counts its own"),
+        ("places", places, "each line is collected from its own, no other is tried"),
+    ):
+        if names := sorted(name for name, values in several.items() if len(values) > 1):
+            verb = "article has" if len(names) == 1 else "articles have"
+            found.append(f"{len(names)} {verb} several {what} ({some(names)}): {each}")
+    found += [
+        f"{count(sheet.hidden, 'hidden row')} of {sheet.source or 'the sheet'} "
+        f"{'was' if sheet.hidden == 1 else 'were'} read like the others"
+        for sheet in sheets
+        if sheet.hidden
+    ]
+    return found
+
+
+def _passed(names: Sequence[str]) -> list[str]:
+    return [f"{count(len(names), 'column')} ignored: {some(names)}"] if names else []
 
 
 def _where(lines: Sequence[Line], field: str) -> str:
@@ -63,75 +170,52 @@ def _where(lines: Sequence[Line], field: str) -> str:
     found = re.match(r"items\[(\d+)\]\.(?:at\.)?(\w+)", field)
     if found is None:
         return field
-    column = "item" if found[2] == "id" else found[2]
-    if column == "at":  # the place as a whole: its first column
-        column = next(c for c in ("aisle", "x", "node") if lines[int(found[1])].has(c))
-    return lines[int(found[1])].where(column)
+    line, column = lines[int(found[1])], found[2]
+    if column == "id":
+        column = article_column(line)
+    elif not line.has(column):  # the place as a whole: its first column
+        column = next((c for c in ("place", "aisle", "x", "node") if line.has(c)), column)
+    return line.where(column)
 
 
-def _ids(lines: Sequence[Line]) -> list[str]:
-    """Return an id for each line: the item's name, with what tells its pieces apart.
+def _ids(lines: Sequence[Line], found: Sequence[Bin]) -> list[str]:
+    """Return an id for each line: the article's name, with what tells its pieces apart.
 
     One article may be in several orders: then the order's name stands before it. One order
-    may take it from several places: then they are numbered.
+    may take it from several places: then they are numbered. So are the lines of an export that has
+    a column ``article`` and none ``item``, even in one place; otherwise that is a mistake.
     """
-    spread = Counter(item for _, item in {(x.text("order"), x.text("item")) for x in lines})
-    bins: defaultdict[tuple[str, str], dict[Place, int]] = defaultdict(dict)
-    for line in lines:
-        known = bins[line.text("order"), line.text("item")]
-        place = _place(line)
-        if place in known:
+    named = lines[0].has("item") if lines else True
+    names = [line.text("item" if named else "article") for line in lines]
+    pairs = [(line.text("order"), name) for line, name in zip(lines, names, strict=True)]
+    spread = Counter(name for _, name in dict.fromkeys(pairs))
+    bins: defaultdict[tuple[str, str], dict[Bin | int, int]] = defaultdict(dict)
+    numbers: list[int] = []
+    for line, pair, place in zip(lines, pairs, found, strict=True):
+        known = bins[pair]
+        key = place if named else line.number
+        if key in known:
             raise line.error(
                 "item",
-                f"item {line.text('item')!r} of order {line.text('order')!r} is in line "
-                f"{known[place]} too",
+                f"item {pair[1]!r} of order {pair[0]!r} is in line {known[key]} too",
                 "use the column quantity, or another name",
             )
-        known[place] = line.number
-    found: list[str] = []
-    seen: dict[str, int] = {}
-    for line in lines:
-        order, name = line.text("order"), line.text("item")
-        places = bins[order, name]
+        known[key] = line.number
+        numbers.append(len(known))
+    ids: dict[str, int] = {}
+    for line, pair, number in zip(lines, pairs, numbers, strict=True):
+        order, name = pair
         id_ = f"{order}/{name}" if spread[name] > 1 else name
-        if len(places) > 1:
-            id_ += f"#{list(places).index(_place(line)) + 1}"
-        if id_ in seen:
+        if len(bins[pair]) > 1:
+            id_ += f"#{number}"
+        if id_ in ids:
             raise line.error(
-                "item",
-                f"item {name!r} of order {order!r} has the same name as line {seen[id_]}, {id_!r}",
+                article_column(line),
+                f"item {name!r} of order {order!r} has the same name as line {ids[id_]}, {id_!r}",
                 "use another name",
             )
-        seen[id_] = line.number
-        found.append(id_)
-    return found
-
-
-def _weight(line: Line) -> Fraction:
-    weight = line.number_of("weight")
-    if weight < 0:
-        raise line.error(
-            "weight",
-            f"weight {float(weight):g} of item {line.text('item')!r} is negative",
-            "use zero or more",
-        )
-    return weight
-
-
-def _place(line: Line) -> Place:
-    if line.has("node"):
-        return Node(line.whole("node"))
-    if line.has("x"):
-        return Point(float(line.number_of("x")), float(line.number_of("y")))
-    side = line.cells.get("side", "").lower() or "left"
-    if side not in ("left", "right"):
-        raise line.error("side", f"{side!r:.40} is not a side", "give left or right")
-    return Slot(
-        aisle=line.whole("aisle"),
-        slot=line.whole("slot"),
-        block=line.whole("block") if line.has("block") else 0,
-        side="right" if side == "right" else "left",
-    )
+        ids[id_] = line.number
+    return list(ids)
 
 
 def _layout_of(orders: Path, given: StrPath | None) -> Layout:
@@ -149,4 +233,4 @@ def _layout_of(orders: Path, given: StrPath | None) -> Layout:
         raise error.in_file(str(found)) from None
 
 
-FORMAT = builtin(__name__, read_csv)
+FORMAT = builtin(__name__, read_orders)

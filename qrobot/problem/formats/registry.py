@@ -8,8 +8,9 @@ whose value is a `Format`, or for one process by `register`.
 from __future__ import annotations
 
 import codecs
+import dataclasses
 import importlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -44,6 +45,10 @@ class ReadOptions:
     capacity: Fraction | None = None
     rounding: str | None = None
     ignore_columns: Sequence[str] = ()
+    columns: Mapping[str, str | Sequence[str]] = dataclasses.field(default_factory=dict)
+    locations: StrPath | None = None
+    articles: StrPath | None = None
+    sheet: str | None = None
     pool: bool = False
     """Whether the instance may be larger than one plan; see `Instance.pool`."""
 
@@ -63,8 +68,9 @@ class Format:
     write
         Returns the text of an instance; ``None`` when such files are only read.
     options
-        Those of `qrobot.read` that mean something for it, of ``layout``, ``ignore_columns`` and
-        ``rounding``; the others are refused.
+        Those of `qrobot.read` that mean something for it, of ``layout``, ``locations``,
+        ``articles``, ``columns``, ``ignore_columns``, ``sheet`` and ``rounding``; the others are
+        refused.
     recognise
         Tells from the first lines of a file whether it has this format. Formats that have it
         may share a suffix; ``None``: the suffix alone tells.
