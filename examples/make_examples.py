@@ -188,6 +188,56 @@ def csv_orders(seed: int = 11) -> tuple[str, str]:
     return out.getvalue(), to_layout(layout)
 
 
+def wms_export(seed: int = 17) -> dict[str, str]:
+    """Return the files of a warehouse management system: semicolons, decimal commas, labels."""
+    draw = random.Random(seed)
+    layout = Instance(
+        warehouse=AisleWarehouse(
+            aisles=8, blocks=2, slots=10, aisle_pitch=3.2, end_gap=1.3, depot_distance=2.0
+        ),
+        items=(),
+        orders=(),
+        robots=tuple(Robot(f"cart-{k}", Fraction(40), 1.2, trips=2) for k in (1, 2, 3)),
+        name="wms-layout",
+        comment="The layout of wms.csv. " + OURS.format(seed=seed),
+    )
+    bins = [
+        # Aisle, bin and shelf, as painted on the racks: odd bins on the left.
+        (f"{'ABCDEFGH'[aisle]}{1 + 2 * (10 * block + slot) + (side == 'right'):02}-{level + 1}",
+         aisle, block, slot, side, level)
+        for aisle in range(8)
+        for block in range(2)
+        for slot in range(10)
+        for side in ("left", "right")
+        for level in range(3)
+    ]  # fmt: skip
+    goods = [
+        (f"{4000 + n}", draw.choice(WEIGHTS[:9]), draw.choice(["0.5", "1.25", "3"]), kind, one[0])
+        for n, (kind, one) in enumerate(
+            zip(["tools", "paint", "garden"] * 12, draw.sample(bins, 36), strict=True)
+        )
+    ]
+    orders = [
+        (f"SO-{number}", article, draw.choice([1, 1, 1, 2, 3]), label)
+        for number in range(70_001, 70_021)
+        for article, _, _, _, label in draw.sample(goods, draw.randint(1, 4))
+    ]
+    return {
+        "wms.csv": _semicolons(("order", "article", "quantity", "place"), orders),
+        "wms.articles.csv": _semicolons(
+            ("article", "weight", "volume", "class"), [one[:4] for one in goods]
+        ).replace(".", ","),
+        "wms.locations.csv": _semicolons(
+            ("label", "aisle", "block", "slot", "side", "level"), bins
+        ),
+        "wms.layout.json": to_layout(layout),
+    }
+
+
+def _semicolons(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    return "".join(";".join(map(str, row)) + "\n" for row in (head, *rows))
+
+
 def to_layout(instance: Instance) -> str:
     """Return the native document of an instance without what only orders have."""
     document = json.loads(to_text(instance))
@@ -257,6 +307,8 @@ def main(folder: Path) -> None:
     orders, layout = csv_orders()
     write_text_atomic(folder / "orders.csv", orders)
     write_text_atomic(folder / "layout.json", layout)
+    for name, text in wms_export().items():
+        write_text_atomic(folder / name, text)
     problem, solution = tiny_vrp()
     write_text_atomic(folder / "tiny.vrp", problem)
     write_text_atomic(folder / "tiny.sol", solution)

@@ -10,11 +10,12 @@ from pathlib import Path
 import pytest
 
 import qrobot
+from qrobot._formats import is_beside
 from qrobot.problem.formats.vrp import read_solution
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 INSTANCES = sorted(
-    p for p in EXAMPLES.iterdir() if p.suffix in (".json", ".csv", ".vrp") and p.stem != "layout"
+    p for p in EXAMPLES.iterdir() if p.suffix in (".json", ".csv", ".vrp") and not is_beside(p.name)
 )
 
 
