@@ -1,8 +1,8 @@
-"""Starts of `qrobot` that cost a fork in place of a Python with all its imports.
+"""Starts of a program that cost a fork in place of a Python with all its imports.
 
-One process per test worker, with one thread, has imported what the commands import. For each start
-it forks: a real process with descriptors, folder, environment, signals and exit code of its own.
-What a test says about the start itself wants ``python -m qrobot`` (`REAL`).
+One process per test worker and program, with one thread, has imported what the program imports. For
+each start it forks: a real process with descriptors, folder, environment, signals and exit code of
+its own. What a test says about the start itself wants ``python -m qrobot`` (`REAL`).
 """
 
 from __future__ import annotations
@@ -23,34 +23,62 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-__all__ = ["REAL", "Started", "door", "hand_over", "run", "start"]
+__all__ = ["QROBOT", "REAL", "Program", "Started", "door", "hand_over", "run", "start"]
 
 ROOT = Path(__file__).resolve().parents[1]
 REAL = (sys.executable, "-m", "qrobot")
 STREAMS = ("stdin", "stdout", "stderr")
-IMPORTS = (
-    "qrobot.cli.main", "qrobot.cli.solve", "qrobot.cli.check", "qrobot.cli.next",
+
+
+@dataclass(frozen=True)
+class Program:
+    """What is started.
+
+    Attributes
+    ----------
+    name
+        As it is called.
+    command
+        Its function, as ``module:function``.
+    imports
+        What it imports, but for what starts threads.
+    environment
+        What its imports read, which is then the same for every start; ``{folder}`` is a folder that
+        is there as long as the process that forks.
+    """
+
+    name: str
+    command: str
+    imports: tuple[str, ...] = ()
+    environment: Mapping[str, str] = field(default_factory=dict, hash=False)
+
+
+QROBOT = Program("qrobot", "qrobot.cli.main:main", (
+    "qrobot.cli.solve", "qrobot.cli.check", "qrobot.cli.next",
     "qrobot.problem.formats.native", "qrobot.planning.solving", "qrobot.backends.classical.exact",
     "qrobot.backends.classical.batching", "qrobot.report", "qrobot.health", "dimod",
-)  # fmt: skip
-"""What commands import, but for what starts threads."""
+))  # fmt: skip
 
 
 # -- the process that forks ----------------------------------------------------------------------
 
 
-def serve(number: int, door: int) -> None:
-    """Fork for every message that comes; return, in the child only, when it shall run `main`.
+def serve(number: int, door: int, command: str, *imports: str) -> None:
+    """Fork for every message that comes; in the child only, run the command.
 
     Messages come from the parent over a socket, and from other processes over another (`door`)
     that listens.
     """
-    for name in IMPORTS:
+    module, _, function = command.partition(":")
+    main = getattr(importlib.import_module(module), function)
+    for name in imports:
         importlib.import_module(name)
     gc.freeze()  # a collection would touch, so copy, all of it
     requests, visitors = socket.socket(fileno=number), socket.socket(fileno=door)
@@ -70,7 +98,8 @@ def serve(number: int, door: int) -> None:
         if message and os.fork() == 0:
             requests.close()
             visitors.close()
-            return _keep(json.loads(message), descriptors)
+            _keep(json.loads(message), descriptors)
+            run_to_end(main)
         for descriptor in descriptors:
             os.close(descriptor)
 
@@ -102,7 +131,9 @@ def _become(asked: dict[str, Any], streams: dict[str, int]) -> None:
     os.chdir(asked["folder"])
     os.environ.clear()
     os.environ.update(asked["environment"])
-    sys.argv = ["qrobot", *asked["words"]]
+    tempfile.tempdir = None  # as the environment says
+    time.tzset()
+    sys.argv = asked["words"]
     for number, name in enumerate(STREAMS):
         stream = _stream(number, name) if name in streams else None
         setattr(sys, name, stream)
@@ -157,8 +188,9 @@ def start(
     *,
     folder: str | Path = ".",
     environment: Mapping[str, str] | None = None,
+    program: Program = QROBOT,
 ) -> Started:
-    """Start ``qrobot`` with words.
+    """Start a program with words.
 
     Parameters
     ----------
@@ -168,9 +200,12 @@ def start(
         Descriptors by name; a stream that is missing is closed.
     folder, environment
         Those of the command; by default of this process.
+    program
+        What is started.
     """
     given = os.environ if environment is None else environment
-    return _ask(_forker()[0], words, streams, str(Path(folder).resolve()), given)
+    words = [program.name, *words]
+    return _ask(_forker(program)[0], words, streams, str(Path(folder).resolve()), given)
 
 
 def _ask(
@@ -201,7 +236,7 @@ def hand_over(words: Sequence[str], door: str) -> NoReturn:
     with socket.socket(socket.AF_UNIX) as visitor:
         visitor.connect(door)
         streams = {name: number for number, name in enumerate(STREAMS)}
-        started = _ask(visitor, words, streams, str(Path.cwd()), os.environ)
+        started = _ask(visitor, [QROBOT.name, *words], streams, str(Path.cwd()), os.environ)
     code = started.wait()
     os._exit(code if code >= 0 else 128 - code)
 
@@ -211,8 +246,10 @@ def run(
     folder: str | Path = ".",
     environment: Mapping[str, str] | None = None,
     given: str = "",
+    program: Program = QROBOT,
+    alone: bool = False,
 ) -> subprocess.CompletedProcess[str]:
-    """Run ``qrobot`` to its end and return its code and what it said.
+    """Run a program to its end and return its code and what it said.
 
     Where the environment holds what only the start of a Python reads, a Python is started.
 
@@ -221,13 +258,17 @@ def run(
     words, folder
         As of `start`.
     environment
-        What is added to that of this process.
+        What is added to that of this process, or all there is where it stands `alone`.
     given
         What it reads, at most 64 KiB.
+    program
+        What is run.
+    alone
+        Whether the environment is all.
     """
     added = dict(environment or {})
-    environment = os.environ | added
-    if any(name.startswith("PYTHON") for name in added):
+    environment = added if alone else os.environ | added
+    if program is QROBOT and any(name.startswith("PYTHON") for name in added):
         environment.setdefault("PYTHONPATH", str(ROOT))
         return subprocess.run(
             [*REAL, *map(str, words)], cwd=folder, env=environment, input=given,
@@ -235,7 +276,7 @@ def run(
         )  # fmt: skip
     pipes = {name: os.pipe() for name in STREAMS}
     theirs = {name: ends[name != "stdin"] for name, ends in pipes.items()}
-    started = start(words, theirs, folder=folder, environment=environment)
+    started = start(words, theirs, folder=folder, environment=environment, program=program)
     for number in theirs.values():
         os.close(number)
     with contextlib.suppress(BrokenPipeError):  # it ended without reading
@@ -262,17 +303,17 @@ def _read(pipes: dict[str, int]) -> dict[str, str]:
     return {name: text.decode(errors="surrogateescape") for name, text in said.items()}
 
 
-_known: list[tuple[socket.socket, str]] = []
+_known: dict[Program, tuple[socket.socket, str]] = {}
 
 
 def door() -> str:
     """Return where other processes find the process that forks."""
-    return _forker()[1]
+    return _forker(QROBOT)[1]
 
 
-def _forker() -> tuple[socket.socket, str]:
+def _forker(program: Program) -> tuple[socket.socket, str]:
     """Return the way to the process that forks, which is started once, and its door."""
-    if not _known:
+    if program not in _known:
         here, there = socket.socketpair()
         folder = tempfile.mkdtemp()
         path = f"{folder}/door"
@@ -282,13 +323,14 @@ def _forker() -> tuple[socket.socket, str]:
             numbers = [there.fileno(), listening.fileno()]
             process = subprocess.Popen(
                 [sys.executable, "-c",
-                 f"import started; started.serve(*{numbers}); started.main()",
+                 f"import started; started.serve(*{[*numbers, program.command, *program.imports]})",
                  "the process that forks"],
                 pass_fds=numbers, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"},
+                env=os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT / "tests"), *sys.path])}
+                | {name: text.format(folder=folder) for name, text in program.environment.items()},
             )  # fmt: skip
         there.close()
-        _known.append((here, path))
+        _known[program] = here, path
 
         def close() -> None:
             here.close()
@@ -296,16 +338,14 @@ def _forker() -> tuple[socket.socket, str]:
             shutil.rmtree(folder)
 
         atexit.register(close)
-    return _known[0]
+    return _known[program]
 
 
-def main() -> NoReturn:
-    """Run the command line in a process that was forked for it, and end as Python does.
+def run_to_end(command: Callable[[], object]) -> NoReturn:
+    """Run a command line in a process that was forked for it, and end as Python does.
 
     Only the modules are not taken apart: that would copy all memory that the fork shares.
     """
-    from qrobot.cli.main import main as command
-
     try:
         command()
         code = 0

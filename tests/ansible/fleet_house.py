@@ -12,12 +12,31 @@ from pathlib import Path
 from typing import Any
 
 from release_house import PLUGINS, load, program
+from started import Program, run
 
 ANSIBLE = PLUGINS.parent
 release = load()
 LOCAL = {"ansible_connection": "local", "ansible_python_interpreter": sys.executable}
 # Nobody listens on port 1: the answer comes at once, without a network.
 DEAD = {"ansible_connection": "ssh", "ansible_host": "127.0.0.1", "ansible_port": 1}
+SETTINGS = {
+    "ANSIBLE_CONFIG": str(Path(__file__).with_name("no_settings.cfg")),
+    "ANSIBLE_GATHERING": "explicit",
+    "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
+    "ANSIBLE_MODULE_UTILS": str(PLUGINS / "module_utils"),
+    "ANSIBLE_ACTION_PLUGINS": str(PLUGINS / "action"),
+    "ANSIBLE_LOOKUP_PLUGINS": str(PLUGINS / "lookup"),
+    "ANSIBLE_CALLBACK_PLUGINS": str(PLUGINS / "callback"),
+    "ANSIBLE_CALLBACKS_ENABLED": "qrobot_outcome",
+    "ANSIBLE_PIPELINING": "1",
+    "ANSIBLE_SSH_RETRIES": "0",
+    "ANSIBLE_NOCOLOR": "1",
+    "LC_ALL": "C.UTF-8",
+}
+PLAYBOOK = Program(
+    "ansible-playbook", "playbook_program:main",
+    environment=SETTINGS | {"ANSIBLE_HOME": "{folder}/ansible", "ANSIBLE_LOCAL_TEMP": "{folder}"},
+)  # fmt: skip
 
 
 class Environment(release.Releases):
@@ -63,35 +82,32 @@ def stand_in(folder: Path, playbook: str, tasks: dict[str, list[dict[str, Any]]]
 
 
 def play(
-    folder: Path, playbook: Path, hosts: dict[str, dict[str, Any]], *options: str, **more: Any
+    folder: Path,
+    playbook: Path,
+    hosts: dict[str, dict[str, Any]],
+    *options: str,
+    environment: dict[str, str] | None = None,
+    **more: Any,
 ) -> subprocess.CompletedProcess[str]:
     """Run a playbook on hosts, with extra variables; the answer with all that was printed."""
     inventory = {"all": {"hosts": hosts}}
     (folder / "inventory.json").write_text(json.dumps(inventory))
-    (folder / "ansible.cfg").write_text("[defaults]\ngathering = explicit\n")
     # A short one: ansible-core 2.21 binds a socket in it, whose path may have 107 bytes.
     temporary = Path(tempfile.mkdtemp(prefix="q"))
-    settings = {
-        "ANSIBLE_CONFIG": str(folder / "ansible.cfg"),
-        "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
-        "ANSIBLE_MODULE_UTILS": str(PLUGINS / "module_utils"),
-        "ANSIBLE_ACTION_PLUGINS": str(PLUGINS / "action"),
-        "ANSIBLE_LOOKUP_PLUGINS": str(PLUGINS / "lookup"),
-        "ANSIBLE_CALLBACK_PLUGINS": str(PLUGINS / "callback"),
-        "ANSIBLE_CALLBACKS_ENABLED": "qrobot_outcome",
-        "ANSIBLE_LOCAL_TEMP": str(temporary),
-        "ANSIBLE_REMOTE_TEMP": str(temporary),
-        "ANSIBLE_ASYNC_DIR": str(temporary / "jobs"),  # "~" is the login's home, not HOME
-        "ANSIBLE_PIPELINING": "1",
-        "ANSIBLE_NOCOLOR": "1",
-        "LC_ALL": "C.UTF-8",
-        "PATH": os.environ["PATH"],
-        "HOME": str(folder),
-        "TMPDIR": str(temporary),
-    }
-    command = [program("ansible-playbook"), "-i", str(folder / "inventory.json"), str(playbook)]
-    command += [*options, "--extra-vars", json.dumps(more)]
+    settings = (
+        SETTINGS
+        | {
+            "ANSIBLE_REMOTE_TEMP": str(temporary),
+            "ANSIBLE_ASYNC_DIR": str(temporary / "jobs"),  # "~" is the login's home, not HOME
+            "PATH": os.environ["PATH"],
+            "HOME": str(folder),
+            "TMPDIR": str(temporary),
+        }
+        | (environment or {})
+    )
+    program("ansible-playbook")
+    words = ["-i", folder / "inventory.json", playbook, *options, "--extra-vars", json.dumps(more)]
     try:
-        return subprocess.run(command, env=settings, capture_output=True, text=True, check=False)
+        return run(*words, folder=folder, environment=settings, program=PLAYBOOK, alone=True)
     finally:
         shutil.rmtree(temporary)

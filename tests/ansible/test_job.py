@@ -9,7 +9,7 @@ import importlib.util
 import json
 import re
 import sys
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -20,95 +20,111 @@ from processes import gone
 from release_house import PLUGINS
 
 yaml = pytest.importorskip("yaml")
-Play = Callable[..., dict[str, dict[str, Any]]]
 LIMITS = ("poll", "silence", "seconds")
 
 
-@pytest.fixture
-def run(tmp_path: Path) -> Play:
-    """Run long tasks on this machine, each on a host of its own: what was registered."""
-
-    def call(code: int, **jobs: dict[str, Any]) -> dict[str, dict[str, Any]]:
-        hosts = {name: {**LOCAL, "job": {"poll": 0.2} | job} for name, job in jobs.items()}
-        given = {"module": "ansible.legacy.command", "options": {"argv": "{{ job.argv }}"}}
-        given |= {name: f"{{{{ job.{name} | default(omit) }}}}" for name in LIMITS}
-        keep = {
-            "content": "{{ told | to_json }}",
-            "dest": f"{tmp_path}/{{{{ inventory_hostname }}}}",
-        }
-        tasks = [
-            {"name": "Work", "qrobot_job": given, "register": "told", "ignore_errors": True},
-            {"ansible.builtin.copy": keep, "check_mode": False},
-            {"ansible.builtin.fail": {"msg": "it failed"}, "when": "told is failed"},
-        ]
-        (tmp_path / "play.yml").write_text(json.dumps([{"hosts": "all", "tasks": tasks}]))
-        done = play(tmp_path, tmp_path / "play.yml", hosts)
-        assert done.returncode == code, done.stdout + done.stderr
-        return {name: json.loads((tmp_path / name).read_text()) for name in jobs}
-
-    return call
+FOLLOWED = ["sh", "-c", "echo one; echo two; echo three >&2"]
+# As by the kernel when the memory does not suffice: the wrapper and all below it are gone.
+KILLED = """
+import os, signal, re, time
+number = os.getpid()
+for _ in range(9):
+    status = open(f'/proc/{number}/status').read()
+    above = int(re.search(r'PPid:\\s+(\\d+)', status)[1])
+    words = open(f'/proc/{above}/cmdline', 'rb').read() if above > 1 else b''
+    if b'async_wrapper' not in words and b'AnsiballZ' not in words: break
+    number = above
+    os.kill(number, signal.SIGSTOP)
+    victims = globals().setdefault('victims', []) ; victims.append(number)
+for victim in victims: os.kill(victim, signal.SIGKILL)
+"""
+LONG = "import os, time; {} open({!r}, 'w').write(str(os.getpid())); time.sleep(600)"
+AWAY = {"in_its_group": "", "out_of_its_group": "os.setpgid(0, 0);"}
+REFUSED = [("poll", 0), ("poll", -1), ("silence", 0), ("silence", -5)]
 
 
-def test_a_long_task_gives_what_its_module_gives(run: Play) -> None:
-    argv = ["sh", "-c", "echo one; echo two; echo three >&2"]
-    told = run(0, followed={"argv": argv}, direct={"argv": argv, "seconds": 0})
-    followed, direct = told["followed"], told["direct"]
+@dataclass
+class Run:
+    """Long tasks that ran on this machine, each on a host of its own: what was registered."""
+
+    folder: Path
+    told: dict[str, dict[str, Any]]
+    failed: set[str]
+
+
+def follow(folder: Path, jobs: dict[str, dict[str, Any]]) -> Run:
+    hosts = {name: {**LOCAL, "job": {"poll": 0.2} | job} for name, job in jobs.items()}
+    given = {"module": "ansible.legacy.command", "options": {"argv": "{{ job.argv }}"}}
+    given |= {name: f"{{{{ job.{name} | default(omit) }}}}" for name in LIMITS}
+    tasks = [
+        {"name": "Work", "qrobot_job": given, "register": "told", "ignore_errors": True},
+        {"ansible.builtin.debug": {"msg": "TOLD {{ inventory_hostname }} {{ told | to_json }}"}},
+        {"ansible.builtin.fail": {"msg": "it failed"}, "when": "told is failed"},
+    ]
+    (folder / "play.yml").write_text(json.dumps([{"hosts": "all", "tasks": tasks}]))
+    done = play(folder, folder / "play.yml", hosts, "--forks", "3")
+    assert done.returncode == 2, done.stdout + done.stderr
+    found = re.findall(r'^    "msg": ("TOLD .*")$', done.stdout, re.MULTILINE)
+    texts = [json.loads(text).split(" ", 2)[1:] for text in found]
+    failed = set(re.findall(r"^  (\w+) failed: it failed", done.stdout, re.MULTILINE))
+    return Run(folder, {name: json.loads(text) for name, text in texts}, failed)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    jobs: dict[str, dict[str, Any]] = {
+        "followed": {"argv": FOLLOWED},
+        "direct": {"argv": FOLLOWED, "seconds": 0},
+        "failing": {"argv": ["sh", "-c", "echo oh no >&2; exit 3"]},
+        "killed": {"argv": [sys.executable, "-c", KILLED]},
+    }
+    for at, (name, value) in enumerate(REFUSED):
+        jobs[f"refused{at}"] = {"argv": ["true"], name: value}
+    return follow(tmp_path_factory.mktemp("jobs"), jobs)
+
+
+def test_a_long_task_gives_what_its_module_gives(run: Run) -> None:
+    followed, direct = run.told["followed"], run.told["direct"]
     for name in ("rc", "stdout_lines", "stderr_lines", "changed", "failed"):
         assert followed[name] == direct[name]
     assert followed["stdout_lines"] == ["one", "two"]
     assert "ansible_job_id" not in followed
 
 
-def test_a_long_task_that_fails_says_why(run: Play) -> None:
-    told = run(2, a={"argv": ["sh", "-c", "echo oh no >&2; exit 3"]})["a"]
+def test_a_long_task_that_fails_says_why(run: Run) -> None:
+    told = run.told["failing"]
     assert (told["rc"], told["stderr"]) == (3, "oh no")
 
 
-def test_a_job_whose_processes_were_ended_is_noticed(run: Play, tmp_path: Path) -> None:
-    # As by the kernel when the memory does not suffice: the wrapper and all below it are gone.
-    script = (
-        "import os, signal, re, time\n"
-        "number = os.getpid()\n"
-        "for _ in range(9):\n"
-        "    status = open(f'/proc/{number}/status').read()\n"
-        "    above = int(re.search(r'PPid:\\s+(\\d+)', status)[1])\n"
-        "    words = open(f'/proc/{above}/cmdline', 'rb').read() if above > 1 else b''\n"
-        "    if b'async_wrapper' not in words and b'AnsiballZ' not in words: break\n"
-        "    number = above\n"
-        "    os.kill(number, signal.SIGSTOP)\n"
-        "    victims = globals().setdefault('victims', []) ; victims.append(number)\n"
-        "for victim in victims: os.kill(victim, signal.SIGKILL)\n"
-    )
-    told = run(2, a={"argv": [sys.executable, "-c", script]})["a"]
+def test_the_robots_of_tasks_that_failed_have_failed_and_no_others(run: Run) -> None:
+    assert run.told.keys() - run.failed == {"followed", "direct"}
+
+
+def test_a_job_whose_processes_were_ended_is_noticed(run: Run) -> None:
+    told = run.told["killed"]
     assert "'Work' did not reach its end: it was ended from outside" in told["msg"]
     assert "run it again" in told["msg"]
 
 
-def test_a_task_that_takes_too_long_is_ended_on_the_robot(run: Play, tmp_path: Path) -> None:
+def test_a_task_that_takes_too_long_is_ended_on_the_robot(tmp_path: Path) -> None:
     """Also where its processes are not in the group that Ansible's wrapper ends."""
-    script = "import os, time; {} open({!r}, 'w').write(str(os.getpid())); time.sleep(600)"
-    away = {"in_its_group": "", "out_of_its_group": "os.setpgid(0, 0);"}
-    own = {name: tmp_path / f"{name}.pid" for name in away}
+    own = {name: tmp_path / f"{name}.pid" for name in AWAY}
+    scripts = {name: LONG.format(first, str(own[name])) for name, first in AWAY.items()}
     jobs = {
-        name: {
-            "argv": [sys.executable, "-c", script.format(first, str(own[name]))],
-            "seconds": 4, "poll": 1,
-        }
-        for name, first in away.items()
-    }  # fmt: skip
-    for name, told in run(2, **jobs).items():
+        name: {"argv": [sys.executable, "-c", script], "seconds": 4, "poll": 1}
+        for name, script in scripts.items()
+    }
+    for name, told in follow(tmp_path, jobs).told.items():
         assert "'Work' took longer than 4 s and was ended" in told["msg"], name
         # On a busy machine it was ended before its first line.
         if own[name].exists() and own[name].read_text():
             assert gone(int(own[name].read_text())), name
 
 
-def test_a_limit_that_cannot_be_is_refused(run: Play) -> None:
-    given = [("poll", 0), ("poll", -1), ("silence", 0), ("silence", -5)]
-    jobs = {f"a{at}": {"argv": ["true"], name: value} for at, (name, value) in enumerate(given)}
-    for (name, value), told in zip(given, run(2, **jobs).values(), strict=True):
+def test_a_limit_that_cannot_be_is_refused(run: Run) -> None:
+    for at, (name, value) in enumerate(REFUSED):
         sentence = rf"{name} is {float(value)}: give more than 0 seconds"
-        assert re.search(sentence, told["msg"]), told["msg"]
+        assert re.search(sentence, run.told[f"refused{at}"]["msg"])
 
 
 # The action by itself, with robots that answer as told

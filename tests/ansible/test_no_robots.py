@@ -12,9 +12,19 @@ from pathlib import Path
 import pytest
 from fleet_house import ANSIBLE
 from release_house import program
+from started import Program, run
 
 ROOT = ANSIBLE.parent
 PLAYBOOKS = sorted(path.stem for path in ANSIBLE.glob("*.yml"))
+SETTINGS = {
+    "ANSIBLE_CONFIG": str(ANSIBLE / "ansible.cfg"), "ANSIBLE_HOME": "{folder}",
+    "ANSIBLE_LOCAL_TEMP": "{folder}", "ANSIBLE_NOCOLOR": "1",
+}  # fmt: skip
+# As it is in a shell of that folder.
+BY_HAND = Program("ansible-playbook", "playbook_program:main", environment=SETTINGS)
+PLAY = Program(
+    "play.py", "playbook_program:play", ("ansible.inventory.manager",), environment=SETTINGS
+)
 GOOD = "all:\n  hosts:\n    picker-1:\n    picker-2:\n  children:\n    empty:\n"
 GOOD += "  vars: {ansible_connection: local}\n"
 # Inventory, limit, and what play.py says.
@@ -79,9 +89,8 @@ def test_play_says_in_one_sentence_what_is_wrong(
     playbook: str, tmp_path: Path, name: str, case: str
 ) -> None:
     files, limit, says = CASES[case]
-    command = [sys.executable, ANSIBLE / "controller/play.py", name]
-    command += ["--inventory", str(lay(tmp_path, files))]
-    done = call(*command, *(["--limit", limit] if limit else []))
+    words = [name, "--inventory", lay(tmp_path, files), *(["--limit", limit] if limit else [])]
+    done = run(*words, program=PLAY)
     assert done.returncode == 2
     assert done.stdout == ""
     assert re.sub(r"\n$", "", done.stderr).count("\n") == 0, done.stderr
@@ -106,9 +115,9 @@ def test_a_playbook_run_by_hand_refuses_too(
 ) -> None:
     files, limit, _ = CASES.get(case, ({}, "", ""))
     inventory = lay(tmp_path, files) if case in CASES else tmp_path / "missing.yml"
-    command = [playbook, "--inventory", str(inventory), ANSIBLE / f"{name}.yml"]
-    command += ["--limit", limit] if limit else []
-    done = call(*command, ANSIBLE_CONFIG=str(ANSIBLE / "ansible.cfg"))
+    words = ["--inventory", inventory, ANSIBLE / f"{name}.yml"]
+    words += ["--limit", limit] if limit else []
+    done = run(*words, environment={"HOME": str(tmp_path)}, program=BY_HAND)
     assert done.returncode != 0
     assert "[ERROR]: " in done.stderr
     assert "PLAY [" not in done.stdout, "it began"
@@ -154,14 +163,15 @@ def test_a_good_inventory_is_taken_in_each_of_its_forms(playbook: str, tmp_path:
     folder = lay(tmp_path, {"hosts.yml": GOOD, "group_vars/all/vault.yml": vault})
     (tmp_path / "hosts.ini").write_text("[pickers]\npicker-[1:3]\n")
     (tmp_path / "tags.yml").write_text("all: {hosts: {a: {x: !vault 'secret', y: !unsafe 'z'}}}\n")
+    code = "from check_inventory import check\n"
     for inventory, limit in (
         (folder, ""), (folder, "picker-1"), (folder, "picker-*:!picker-2"), (folder, "~pick.*"),
         (tmp_path / "hosts.ini", "pickers"), (tmp_path / "tags.yml", ""), ("10.0.0.4,", ""),
         (ANSIBLE / "inventory.example", "lab_bench"),
     ):  # fmt: skip
-        code = f"from check_inventory import check; check([{str(inventory)!r}], {limit!r})"
-        done = call(sys.executable, "-c", code, PYTHONPATH=f"{ANSIBLE / 'controller'}:{ROOT}")
-        assert done.returncode == 0, done.stderr
+        code += f"check([{str(inventory)!r}], {limit!r})\n"
+    done = call(sys.executable, "-c", code, PYTHONPATH=f"{ANSIBLE / 'controller'}:{ROOT}")
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_exit_code_of_the_playbook_is_told_and_kept(playbook: str, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fleet_house import play
 
 yaml = pytest.importorskip("yaml")
 ROLE = Path(__file__).resolve().parents[2] / "ansible/roles/preflight"
@@ -23,17 +24,9 @@ def playbook(
     folder: Path, tasks: list[Any], hosts: Hosts, *options: str, **environment: str
 ) -> subprocess.CompletedProcess[str]:
     """Run tasks on hosts that have variables."""
-    program = Path(sys.executable).parent / "ansible-playbook"
-    if not program.is_file():
-        pytest.skip("no ansible-playbook beside this Python")
-    play = {"hosts": "all", "gather_facts": False, "tasks": tasks}
-    (folder / "play.yml").write_text(json.dumps([play]))
-    (folder / "inventory.json").write_text(json.dumps({"all": {"hosts": hosts}}))
-    return subprocess.run(
-        [program, "--inventory", folder / "inventory.json", *options, folder / "play.yml"],
-        env=os.environ | {"ANSIBLE_NOCOLOR": "1", **environment},
-        capture_output=True, text=True, check=False, cwd=folder,
-    )  # fmt: skip
+    path = folder / "play.yml"
+    path.write_text(json.dumps([{"hosts": "all", "gather_facts": False, "tasks": tasks}]))
+    return play(folder, path, hosts, *options, environment=environment)
 
 
 def run_task(
@@ -46,7 +39,7 @@ def run_task(
     defaults = yaml.safe_load((ROLE / "defaults/main.yml").read_text())
     local = {**defaults, "ansible_connection": "local"}
     hosts = {name: local | variables for name, variables in hosts.items()}
-    said = playbook(folder, chosen, hosts, TZ=zone, ANSIBLE_BECOME="0").stdout
+    said = playbook(folder, chosen, hosts, TZ=zone).stdout
     refused = re.findall(r"^fatal: \[(\w+)\]: FAILED! => (.*)$", said, re.M)
     passed = set(re.findall(r"^ok: \[(\w+)\]$", said, re.M))
     return passed, {name: json.loads(answer)["msg"] for name, answer in refused}

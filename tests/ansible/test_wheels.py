@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fleet_house import PLAYBOOK, SETTINGS
 from release_house import PLUGINS, entry, lock, program, uv, wheel
+from started import run
 
 MARK = "RESULT "
 
@@ -25,48 +27,39 @@ class Play:
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.root = folder, folder / "robot" / "opt"
-        self.ansible = program("ansible-playbook")
-        (folder / "ansible.cfg").write_text("[defaults]\n")
+        program("ansible-playbook")
 
     def __call__(self, *tasks: dict[str, Any], check: bool = False) -> tuple[list[Any], str]:
         """Run tasks; returns their results and all that was printed."""
-        steps: list[dict[str, Any]] = []
-        for number, task in enumerate(tasks):
-            shown = f"{MARK}{{{{ r{number} | to_json }}}}"
-            steps += [
-                {**task, "register": f"r{number}", "ignore_errors": True},
-                {"ansible.builtin.debug": {"msg": shown}},
-            ]
+        steps: list[dict[str, Any]] = [
+            {**task, "register": f"r{number}", "ignore_errors": True}
+            for number, task in enumerate(tasks)
+        ]
+        results = ", ".join(f"r{number}" for number in range(len(tasks)))
+        steps.append({"ansible.builtin.debug": {"msg": f"{MARK}{{{{ [{results}] | to_json }}}}"}})
         play = {"hosts": "localhost", "connection": "local", "gather_facts": False, "tasks": steps}
         (self.folder / "play.yml").write_text(json.dumps([play]))
         # A short one: ansible-core 2.21 binds a socket in it, whose path may have 107 bytes.
         temporary = Path(tempfile.mkdtemp(prefix="q"))
-        settings = {
-            "ANSIBLE_CONFIG": str(self.folder / "ansible.cfg"),
-            "ANSIBLE_LIBRARY": str(PLUGINS / "modules"),
-            "ANSIBLE_ACTION_PLUGINS": str(PLUGINS / "action"),
-            "ANSIBLE_MODULE_UTILS": str(PLUGINS / "module_utils"),
+        settings = SETTINGS | {
             "ANSIBLE_PYTHON_INTERPRETER": sys.executable,
-            "ANSIBLE_LOCAL_TEMP": str(temporary),
             "ANSIBLE_REMOTE_TEMP": str(temporary),
-            "ANSIBLE_NOCOLOR": "1",
             "ANSIBLE_PIPELINING": self.pipelining,
-            "LC_ALL": "C.UTF-8",
             "PATH": os.environ["PATH"],
             "HOME": str(self.folder),
             "TMPDIR": str(temporary),
         }
-        command = [self.ansible, "-i", "localhost,", str(self.folder / "play.yml"), "--diff"]
-        done = subprocess.run(
-            command + ["--check"] * check, env=settings, capture_output=True, text=True
-        )
+        words = ["-i", "localhost,", str(self.folder / "play.yml"), "--diff", *["--check"] * check]
+        done = run(*words, folder=self.folder, environment=settings, program=PLAYBOOK, alone=True)
         printed = done.stdout + done.stderr
         found = re.findall(rf'"msg": "{MARK}(.*)"$', done.stdout, re.MULTILINE)
-        assert len(found) == len(tasks), printed
+        assert len(found) == 1, printed
         left = [path.name for path in temporary.iterdir()]
         shutil.rmtree(temporary)
         assert left == [], "a temporary folder was left"
-        return [json.loads(json.loads(f'"{text}"')) for text in found], printed
+        told: list[Any] = json.loads(json.loads(f'"{found[0]}"'))
+        assert len(told) == len(tasks)
+        return told, printed
 
     def wheels(self, *files: dict[str, Any], **more: Any) -> dict[str, Any]:
         given = {"src": f"{self.folder}/wheels", "dest": f"{self.root}/wheels"}
