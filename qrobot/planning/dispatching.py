@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -21,12 +21,12 @@ from qrobot.backends.classical.exact import ExactPlanner
 from qrobot.plan.dealing import Seats, assign, cost_of_robot
 from qrobot.plan.objective import DISTANCE
 from qrobot.planning.bounding import share_of
-from qrobot.planning.bounds import fewest_trips, least_trips
+from qrobot.planning.bounds import schedule_bound
 from qrobot.planning.run import Run
 from qrobot.planning.strategy import Strategy
 from qrobot.problem import Instance
 
-__all__ = ["dispatch", "schedule_bound"]
+__all__ = ["dispatch", "improve"]
 
 SHORT_SHARE = 0.4
 """Of the time, for a plan of short trips."""
@@ -43,6 +43,9 @@ MOVES = 200
 SPREAD = 0.2
 """Of the makespan's weight, for the mean of all robots: moves that free another robot's time are
 of use too, though the last one is not back sooner."""
+
+ROUNDING = 1e-9
+"""Share of a trip's usual cost below which a gain is rounding."""
 
 NEIGHBOURS = 12
 """Orders that lie nearest, beside which an order is tried."""
@@ -70,7 +73,6 @@ def dispatch(run: Run, short: Strategy) -> None:
     # makes its trips, comes after.
     orders = tuple(replace(order, deadline=math.inf) for order in run.instance.orders)
     relaxed = replace(run.instance, orders=orders)
-    left = run.stop.remaining
     stop = share_of(run.stop, SHORT_SHARE, math.inf)
     inner = Run(
         relaxed, stop, run.seed, objective=DISTANCE, on_best=lambda found, _: run.best.offer(found)
@@ -85,28 +87,48 @@ def dispatch(run: Run, short: Strategy) -> None:
     if inner.best.routes is None:
         return
     least = inner.best.length if inner.finished else inner.best.bound
-    run.best.bound = max(run.best.bound, schedule_bound(run, least))
+    run.best.bound = max(run.best.bound, schedule_bound(run.instance, run.best.objective, least))
     run.tell()
     if run.finished:
         return
-    run.begin("dispatching")
-    kept = min(KEPT_SHARE * left, KEPT_SECONDS) if math.isfinite(left) else 0.0
-    stop = run.stop.within(max(run.stop.remaining - kept, 0.0)) if kept else run.stop
-    with run.timed("run"):
-        search = _Search(run, inner.best.routes)
-        search.anneal(stop)
-    run.record.work["dispatching"] = search.moves // MOVES
+    improve(run, inner.best.routes)
     if run.best.routes is None:
-        run.record.notes.append(
-            f"no plan was found that keeps all deadlines: {search.missed:.12g} s are missed in the "
-            "best one"
-        )
+        run.record.notes.append("no plan was found that keeps all deadlines")
+
+
+def improve(
+    run: Run, routes: Routes, keep: Mapping[Batch, int] | None = None, stability: float = 0.0
+) -> None:
+    """Move orders and trips about until time is up, from the best plan of a run or from routes.
+
+    Parameters
+    ----------
+    run
+        It keeps what is better.
+    routes
+        Where to begin when the run has no plan that keeps all deadlines.
+    keep
+        Trips that should stay with their robots.
+    stability
+        What it costs to change one of them, in usual costs of a trip.
+    """
+    run.begin("dispatching")
+    left = run.stop.remaining
+    kept = min(KEPT_SHARE * left, KEPT_SECONDS) if math.isfinite(left) else 0.0
+    stop = run.stop.within(max(left - kept, 0.0)) if kept else run.stop
+    with run.timed("run"):
+        search = _Search(run, routes, keep or {}, stability)
+        search.anneal(stop)
+    work = run.record.work
+    work["dispatching"] = work.get("dispatching", 0) + search.moves // MOVES
 
 
 class _Search:
     """Simulated annealing over who collects which orders, on which of its trips."""
 
-    def __init__(self, run: Run, routes: list[list[int]]) -> None:
+    def __init__(
+        self, run: Run, routes: Routes, keep: Mapping[Batch, int], stability: float
+    ) -> None:
         self.run, self.instance, self.objective = run, run.instance, run.best.objective
         instance = self.instance
         self.random = random.Random(run.seed)  # noqa: S311 - no secret
@@ -124,13 +146,15 @@ class _Search:
             self.rounds[r].append(batch)
             self.tours.keep(batch, list(route))
         # A second after a deadline costs more than a whole plan may.
-        self.price_of_missing = 0.0
+        self.price_of_missing = self.price_of_change = 0.0
+        self.keep = keep
         parts = [self._of_robot(r, trips) for r, trips in enumerate(self.rounds)]
         usual = sum(value for value, _ in parts) + self.objective.makespan * max(
             (ends for _, ends in parts), default=0.0
         )
         self.usual = max(usual / max(len(start), 1), 1e-9)
         self.price_of_missing = 10.0 * max(usual, 1.0)
+        self.price_of_change = stability * self.usual
         self.parts = [self._of_robot(r, trips) for r, trips in enumerate(self.rounds)]
         self.energy = self._energy(self.parts)
         self.best_value = self._value(self.parts)
@@ -142,7 +166,11 @@ class _Search:
 
     def _of_robot(self, r: int, trips: list[Batch]) -> tuple[float, float]:
         timed = [self.tours.timed(batch) for batch in trips]
-        return cost_of_robot(self.instance, self.objective, r, timed, self.price_of_missing)
+        missed = self.price_of_missing
+        value, ends = cost_of_robot(self.instance, self.objective, r, timed, missed)
+        if self.price_of_change:  # what is kept is cheaper
+            value -= self.price_of_change * sum(self.keep.get(batch) == r for batch in trips)
+        return value, ends
 
     def _value(self, parts: list[tuple[float, float]]) -> float:
         last = max(ends for _, ends in parts)
@@ -151,11 +179,6 @@ class _Search:
     def _energy(self, parts: list[tuple[float, float]]) -> float:
         mean = sum(ends for _, ends in parts) / len(parts)
         return self._value(parts) + SPREAD * self.objective.makespan * mean
-
-    @property
-    def missed(self) -> float:
-        """Seconds after deadlines in the best plan, about."""
-        return self.best_value / self.price_of_missing
 
     # -- moves --------------------------------------------------------------------------------
 
@@ -198,7 +221,7 @@ class _Search:
         for r, trips in changed.items():
             self.rounds[r] = trips
         self.parts, self.energy = parts, energy
-        if (value := self._value(parts)) < self.best_value * (1 - 1e-12):
+        if (value := self._value(parts)) < self.best_value - ROUNDING * self.usual:
             self.best_value = value
             self.best_rounds = [list(trips) for trips in self.rounds]
             self.fresh = True
@@ -333,51 +356,3 @@ def _nearest(instance: Instance) -> Ints:
     np.fill_diagonal(apart, np.inf)
     most = min(NEIGHBOURS, len(instance.orders) - 1)
     return np.argsort(apart, axis=1, kind="stable")[:, :most].astype(np.int64)
-
-
-def schedule_bound(run: Run, distance: float) -> float:
-    """Return a cost that no plan is below, when none is shorter than a distance.
-
-    Each part of the objective has its own bound. The trips cost the lowest rate for a metre, and
-    there must be so many of them; all robots work until the last is back, so the makespan is no
-    less than the least work shared out evenly, nor than the trip of any one order by the fastest
-    robot after its release; and no order is back before that.
-    """
-    instance, objective = run.instance, run.best.objective
-    if not instance.orders:
-        return 0.0
-    trips = fewest_trips(instance)
-    value = objective.bound(instance, distance) + objective.per_robot
-    value += trips * objective.per_trip(instance.times)
-    fastest = max(robot.speed for robot in instance.robots)
-    times, items = instance.times, instance.items
-    alone = [
-        order.release
-        + times.per_trip
-        + math.fsum(times.of(items[v - 1]) for v in nodes)
-        + least / fastest
-        for order, nodes, least in zip(
-            instance.orders, instance.order_nodes, least_trips(instance).tolist(), strict=True
-        )
-    ]
-    standing = trips * times.per_trip + math.fsum(map(times.of, items))
-    shared = _least_end(distance, standing, [robot.speed for robot in instance.robots])
-    value += objective.makespan * max(shared, *alone)
-    value += objective.lateness * math.fsum(
-        order.priority * max(0.0, ends - order.due)
-        for order, ends in zip(instance.orders, alone, strict=True)
-    )
-    return float(value * (1 - 1e-9))
-
-
-def _least_end(distance: float, standing: float, speeds: Sequence[float]) -> float:
-    """Return when robots are back at the soonest that share metres and seconds of standing.
-
-    A robot of speed v that drives x seconds and stands y until T has v x + p y <= max(v, p) T, for
-    any p >= 0. Summed over all robots: distance + p standing <= T sum of max(v, p).
-    """
-    ends = [standing / len(speeds)]
-    for price in (0.0, *speeds):
-        together = math.fsum(max(v, price) for v in speeds)
-        ends.append((distance + price * standing) / together)
-    return max(ends)

@@ -63,15 +63,22 @@ class Best:
         What a plan costs.
     on_best
         Told the routes and their distance whenever a better plan is kept.
+    seated
+        Whether it is part of the plan who makes which trip, though it costs the same.
     """
 
     def __init__(
-        self, instance: Instance, objective: Objective = DISTANCE, on_best: OnBest | None = None
+        self,
+        instance: Instance,
+        objective: Objective = DISTANCE,
+        on_best: OnBest | None = None,
+        *,
+        seated: bool = False,
     ) -> None:
         self.instance = instance
         self.objective = objective
         # One rate for all robots: a shortest plan is a cheapest, so distances are compared.
-        self.by_distance = objective.common_rate(instance) is not None
+        self.by_distance = objective.common_rate(instance) is not None and not seated
         self.routes: Routes | None = None
         self.seats: Seats | None = None  # where it matters who makes which trip, and when
         self.cost = self.length = float("inf")
@@ -184,7 +191,7 @@ class Run:
         Of every random choice.
     listener
         Told about every new step and every better plan.
-    objective, on_best
+    objective, on_best, seated
         As of `Best`.
     """
 
@@ -197,11 +204,12 @@ class Run:
         *,
         objective: Objective = DISTANCE,
         on_best: OnBest | None = None,
+        seated: bool = False,
     ) -> None:
         self.instance = instance
         self.stop = stop
         self.seed = seed
-        self.best = Best(instance, objective, self._tell_best)
+        self.best = Best(instance, objective, self._tell_best, seated=seated)
         self.record = Record(notes=list(instance.notes))
         self.infeasible: str | None = None
         self.out_of_time = False

@@ -8,6 +8,7 @@ from qrobot.planning.bounds.quick import (
     quick_bound,
     radial_bound,
 )
+from qrobot.planning.bounds.schedule import schedule_bound
 
 __all__ = [
     "fewest_trips",
@@ -17,5 +18,6 @@ __all__ = [
     "most_trips",
     "quick_bound",
     "radial_bound",
+    "schedule_bound",
     "walk_bound",
 ]

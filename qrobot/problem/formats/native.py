@@ -47,7 +47,15 @@ from qrobot.problem.formats.schema import (
 )
 from qrobot.problem.validity import check_robots
 
-__all__ = ["FORMAT", "Layout", "parse_native", "read_layout", "read_native", "to_text"]
+__all__ = [
+    "FORMAT",
+    "Layout",
+    "instance_of_data",
+    "parse_native",
+    "read_layout",
+    "read_native",
+    "to_text",
+]
 
 
 _WISHES = {
@@ -86,6 +94,11 @@ def parse_native(text: str, *, pool: bool = False) -> Instance:
     """
     with located(text):
         return _instance(_document(loads(text)), pool)
+
+
+def instance_of_data(data: Any) -> Instance:
+    """Return the instance of a document that stands in another one, read by `jsontext.loads`."""
+    return _instance(_document(data), pool=False)
 
 
 def _instance(document: Document, pool: bool) -> Instance:

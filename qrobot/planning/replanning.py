@@ -1,0 +1,393 @@
+"""A new plan while robots drive: what is on board is brought home, the rest is planned anew.
+
+Robots under way finish their trips: past what is left of the orders that they have begun, by a
+shortest way from where they stand. All other orders are planned for the robots as they come back,
+beginning with the trips that the old plan had for them; a changed trip costs extra, so that people
+and robots keep what they know.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from qrobot.backends import Stop
+from qrobot.backends.classical.batching.tour import improve_tour, tour_length
+from qrobot.backends.classical.exact.tours import MAX_LISTED, nearest_tour, shortest_tour
+from qrobot.errors import InfeasibleError, InputError
+from qrobot.plan.dealing import Seats
+from qrobot.plan.objective import objective_named
+from qrobot.planning.dispatching import improve
+from qrobot.planning.feasibility import reason_infeasible
+from qrobot.planning.result import Result
+from qrobot.planning.run import Run
+from qrobot.planning.solving import result_of
+from qrobot.planning.state import State
+from qrobot.planning.strategy import DEFAULT_DEADLINE
+from qrobot.problem import Instance, Order, Robot
+from qrobot.problem.fleets import NO_LIMIT
+
+__all__ = ["REPLAN_SCHEMA", "Finish", "Replan", "replan"]
+
+REPLAN_SCHEMA = "qrobot.replan/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Finish:
+    """The rest of a trip under way.
+
+    Parameters
+    ----------
+    robot
+        Its id.
+    trip
+        Number of the trip in the old plan.
+    picked
+        Ids of the items that are on board.
+    stops
+        Ids of the items that are still collected, in sequence.
+    back
+        When the robot is back, seconds since all robots began.
+    """
+
+    robot: str
+    trip: int
+    picked: tuple[str, ...]
+    stops: tuple[str, ...]
+    back: float
+
+
+@dataclass(frozen=True, slots=True)
+class Replan:
+    """What happens from now on.
+
+    Parameters
+    ----------
+    finishing
+        Trips under way.
+    result
+        The plan of all other orders, an instance of its own: robots are available as they come
+        back, times count from the same beginning. ``None`` when no order is left.
+    unchanged
+        Numbers of the trips of the old plan that stay as they were, with their robots.
+    untouched
+        Numbers of the trips that nothing forced to change.
+    changes
+        What is different from the old plan, a sentence each.
+    """
+
+    finishing: tuple[Finish, ...]
+    result: Result | None
+    unchanged: tuple[int, ...]
+    untouched: tuple[int, ...]
+    changes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain data (schema ``qrobot.replan/1``)."""
+        return {
+            "schema": REPLAN_SCHEMA,
+            "finishing": [
+                {
+                    "robot": one.robot,
+                    "trip": one.trip,
+                    "picked": list(one.picked),
+                    "stops": list(one.stops),
+                    "back": one.back,
+                }
+                for one in self.finishing
+            ],
+            "unchanged": list(self.unchanged),
+            "untouched": list(self.untouched),
+            "changes": list(self.changes),
+            "plan": None if self.result is None else self.result.to_dict(),
+        }
+
+    def summary(self) -> str:
+        """Return it in a few plain lines."""
+        lines = [
+            f"{one.robot} brings its trip {one.trip} home at {one.back:.4g} s, past "
+            f"{len(one.stops)} more stops"
+            for one in self.finishing
+        ]
+        if self.untouched:
+            kept = len(set(self.unchanged) & set(self.untouched))
+            lines.append(f"{kept} of {len(self.untouched)} untouched trips stay as they were")
+        lines += list(self.changes)
+        lines.append("no order is left" if self.result is None else self.result.summary())
+        return "\n".join(lines)
+
+
+def replan(
+    state: State,
+    *,
+    objective: str = "distance",
+    stability: float = 1.0,
+    deadline: float | None = None,
+    max_work: int | None = None,
+    seed: int = 0,
+) -> Replan:
+    """Plan the rest of a plan in progress anew.
+
+    Parameters
+    ----------
+    state
+        What is done, under way and changed.
+    objective
+        What the plan of the open orders shall have little of; see `solve`.
+    stability
+        What it costs to change a trip of the old plan that nothing forces to change, in usual
+        costs of a trip: 0 changes whatever makes the plan cheaper.
+    deadline
+        Wall-clock seconds; without it and `max_work`, two seconds.
+    max_work
+        Limit of work units, for a plan that does not depend on the machine.
+    seed
+        Of every random choice.
+
+    Raises
+    ------
+    InputError
+        When an argument cannot be used.
+    InfeasibleError
+        When no plan was found for the open orders.
+    """
+    if not (math.isfinite(stability) and stability >= 0):
+        raise InputError(
+            f"{stability!r} is not a stability", field="stability", advice="give 0 or more"
+        )
+    if deadline is None and max_work is None:
+        deadline = min(2.0, DEFAULT_DEADLINE)
+    stop = Stop(deadline, max_work)
+    aim = objective_named(objective)
+    finishing, notes = _finish(state)
+    instance, more = _open_instance(state, finishing)
+    notes += more
+    if instance is None:
+        return Replan(tuple(finishing), None, (), (), tuple(notes))
+    if (reason := reason_infeasible(instance)) is not None:
+        raise InfeasibleError(reason)
+    run = Run(instance, stop, seed, objective=aim, seated=True)
+    old = _old_trips(state, instance, finishing)
+    routes, seats = _start(instance, old)
+    run.best.offer(routes, seats=seats)
+    index = {order.id: o for o, order in enumerate(instance.orders)}
+    fleet = {robot.id: r for r, robot in enumerate(instance.robots)}
+    keep = {
+        tuple(sorted(index[order] for order in trip.orders)): fleet[trip.robot]
+        for trip in old
+        if trip.untouched
+    }
+    improve(run, routes, keep, stability)
+    result = result_of(run, "auto")
+    unchanged, changes = _differences(old, result)
+    return Replan(
+        tuple(finishing),
+        result,
+        unchanged,
+        tuple(trip.number for trip in old if trip.untouched),
+        (*notes, *changes),
+    )
+
+
+# -- trips under way --------------------------------------------------------------------------
+
+
+def _finish(state: State) -> tuple[list[Finish], list[str]]:
+    """Return the rest of each trip under way, and what is different from the plan."""
+    finishing, notes = [], []
+    instance, cancelled, missing = state.instance, set(state.cancelled), set(state.missing)
+    owner = {item: order.id for order in instance.orders for item in order.items}
+    robots = {robot.id: robot for robot in instance.robots}
+    node = {item.id: i + 1 for i, item in enumerate(instance.items)}
+    for one in state.robots:
+        if one.trip == 0 or one.lost:
+            continue
+        trip = state.plan.trips[one.trip - 1]
+        left = [stop for stop in trip.stops if stop not in one.picked]
+        stops = [s for s in left if s not in missing and owner[s] not in cancelled]
+        gone = [order for order in trip.orders if order in cancelled]
+        if held := [o for o in gone if any(owner[item] == o for item in one.picked)]:
+            notes.append(
+                f"robot {one.robot} has items of the cancelled orders {', '.join(held)} on board"
+            )
+        back = one.back
+        if stops != left or back < state.now:
+            speed = robots[one.robot].speed
+            at = node[one.picked[-1]] if one.picked else 0
+            length, stops = _rest(instance, at, [node[stop] for stop in stops])
+            handling = math.fsum(instance.times.of(instance.items[node[s] - 1]) for s in stops)
+            back = state.now + length / speed + handling
+        finishing.append(Finish(one.robot, one.trip, one.picked, tuple(stops), back))
+    return finishing, notes
+
+
+def _rest(instance: Instance, at: int, nodes: Sequence[int]) -> tuple[float, list[str]]:
+    """Return the length and the stops of a short way from a node past others to the depot."""
+    rows = instance.place_of_node[[at, *nodes]]
+    # One row stands for both ends: ways leave it from the robot and enter it at the depot.
+    ways = instance.place_distances[np.ix_(rows, np.array([0, *rows[1:]], dtype=np.intp))].copy()
+    if not np.isfinite(ways).all():
+        ways[~np.isfinite(ways)] = 1.0 + ways[np.isfinite(ways)].sum()
+    if not nodes:
+        return float(ways[0, 0]), []
+    np.fill_diagonal(ways, 0.0)
+    found = shortest_tour(ways, Stop()) if len(nodes) <= MAX_LISTED else None
+    tour = improve_tour(ways, nearest_tour(ways)) if found is None else found[1]
+    names = [instance.items[nodes[v - 1] - 1].id for v in tour]
+    return tour_length(ways, tour), names
+
+
+# -- what is open -----------------------------------------------------------------------------
+
+
+def _open_instance(state: State, finishing: Sequence[Finish]) -> tuple[Instance | None, list[str]]:
+    """Return the question that is left, ``None`` without orders, and what people must know."""
+    instance = state.instance
+    notes = [
+        f"robot {one.robot} is lost with {len(one.picked)} items: they are collected again"
+        for one in state.robots
+        if one.lost and one.picked
+    ]
+    orders, more = _open_orders(state, finishing)
+    if not orders:
+        return None, notes + more
+    robots = _open_robots(state, finishing)
+    if not robots:
+        raise InfeasibleError(f"{len(orders)} orders are open, and no robot may make another trip")
+    kept = {item for order in orders for item in order.items}
+    question = replace(
+        instance,
+        items=tuple(item for item in instance.items if item.id in kept),
+        orders=tuple(orders),
+        robots=tuple(robots),
+        reference=None,
+    )
+    return question, notes + more
+
+
+def _open_orders(state: State, finishing: Sequence[Finish]) -> tuple[list[Order], list[str]]:
+    """Return the orders that nobody has begun, without what is missing, and notes."""
+    under_way = {order for one in finishing for order in state.plan.trips[one.trip - 1].orders}
+    done = under_way | set(state.delivered) | set(state.cancelled)
+    missing = set(state.missing)
+    orders, notes = [], []
+    for order in state.instance.orders:
+        if order.id in done:
+            continue
+        items = tuple(item for item in order.items if item not in missing)
+        if absent := [item for item in order.items if item in missing]:
+            end = f"goes without {', '.join(absent)}" if items else "is dropped: all is missing"
+            notes.append(f"order {order.id} {end}")
+        if items:
+            orders.append(replace(order, items=items))
+    return orders, notes
+
+
+def _open_robots(state: State, finishing: Sequence[Finish]) -> list[Robot]:
+    """Return the robots that may make more trips, available when they are back."""
+    lost = {one.robot for one in state.robots if one.lost}
+    back = {one.robot: one.back for one in finishing}
+    under_way = {one.robot: one.trip for one in state.robots}
+    delivered = set(state.delivered)
+    begun = Counter(
+        trip.robot
+        for number, trip in enumerate(state.plan.trips, 1)
+        if number == under_way.get(trip.robot) or set(trip.orders) <= delivered
+    )
+    robots = []
+    for robot in state.instance.robots:
+        trips = robot.trips if robot.trips == NO_LIMIT else robot.trips - begun[robot.id]
+        if robot.id not in lost and trips > 0:
+            ready = max(state.now, robot.available, back.get(robot.id, 0.0))
+            robots.append(replace(robot, trips=trips, available=ready))
+    return robots
+
+
+@dataclass(frozen=True, slots=True)
+class _OldTrip:
+    """A trip of the old plan that has not begun, with the orders of it that are open."""
+
+    number: int
+    robot: str
+    orders: tuple[str, ...]
+    stops: tuple[str, ...]
+    untouched: bool
+
+
+def _old_trips(state: State, instance: Instance, finishing: Sequence[Finish]) -> list[_OldTrip]:
+    open_orders = {order.id for order in instance.orders}
+    items = {item.id for item in instance.items}
+    fleet = {robot.id for robot in instance.robots}
+    under_way = {one.trip for one in finishing}
+    found = []
+    for number, trip in enumerate(state.plan.trips, 1):
+        orders = tuple(order for order in trip.orders if order in open_orders)
+        if number in under_way or not orders:
+            continue
+        stops = tuple(stop for stop in trip.stops if stop in items)
+        whole = orders == trip.orders and stops == trip.stops and trip.robot in fleet
+        found.append(_OldTrip(number, trip.robot, orders, stops, whole))
+    return found
+
+
+def _start(instance: Instance, old: Sequence[_OldTrip]) -> tuple[list[list[int]], Seats]:
+    """Return the old trips with their robots, and new orders on trips of their own."""
+    node = {item.id: i + 1 for i, item in enumerate(instance.items)}
+    routes = [[node[stop] for stop in trip.stops] for trip in old]
+    known = {order for trip in old for order in trip.orders}
+    fleet = {robot.id: r for r, robot in enumerate(instance.robots)}
+    owners: list[int | None] = [fleet.get(trip.robot) for trip in old]
+    for order, nodes in zip(instance.orders, instance.order_nodes, strict=True):
+        if order.id not in known:
+            routes.append(list(nodes))
+            owners.append(None)
+    seats: Seats = []
+    turns = [0] * len(instance.robots)
+    loads = [sum(int(instance.weights[v - 1]) for v in route) for route in routes]
+    for owner, load in zip(owners, loads, strict=True):
+        able = [
+            r
+            for r, room in enumerate(instance.capacities.tolist())
+            if load <= room and turns[r] < instance.robots[r].trips
+        ]
+        r = owner if owner in able else min(able, key=lambda r: turns[r], default=0)
+        assert r is not None
+        seats.append((r, turns[r]))
+        turns[r] += 1
+    return routes, seats
+
+
+# -- what changed -----------------------------------------------------------------------------
+
+
+def _differences(old: Sequence[_OldTrip], result: Result) -> tuple[tuple[int, ...], list[str]]:
+    """Return the trips that stay as they were, and a sentence for each order that moved."""
+    new = {frozenset(trip.orders): trip for trip in result.plan.trips}
+    unchanged = tuple(
+        trip.number
+        for trip in old
+        if trip.untouched
+        and (same := new.get(frozenset(trip.orders))) is not None
+        and same.robot == trip.robot
+    )
+    where = {
+        order: (n, trip.robot)
+        for n, trip in enumerate(result.plan.trips, 1)
+        for order in trip.orders
+    }
+    before: Mapping[str, _OldTrip] = {order: trip for trip in old for order in trip.orders}
+    changes = []
+    for order, (number, robot) in where.items():
+        came = before.get(order)
+        if came is None:
+            changes.append(f"order {order} is new, on trip {number} of {robot}")
+        elif came.number not in unchanged and came.robot != robot:
+            changes.append(f"order {order} goes from {came.robot} to {robot}, trip {number}")
+        elif came.number not in unchanged:
+            changes.append(f"order {order} stays with {robot}, now on trip {number}")
+    return unchanged, changes
