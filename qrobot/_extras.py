@@ -27,7 +27,9 @@ __all__ = [
 
 DISTRIBUTIONS = {
     "braket": "amazon-braket-sdk",
+    "PIL": "pillow",
     "dwave": "dwave-system",
+    "yaml": "pyyaml",
 }
 """Of modules that are not called like what installs them."""
 

@@ -1,7 +1,8 @@
 """The checker's own measure of distances: plain Python, no solver's graph.
 
 Euclid and Manhattan by arithmetic, tables by their rows, and aisle warehouses by Dijkstra's
-algorithm on crossings of its own, which slots and depot lie between or beside.
+algorithm on crossings of its own, which slots and depot lie between or beside; maps and lanes
+in `map_ruler`.
 It shares no code with `AisleGraph` or `Instance.distances`, so that a fault there shows.
 """
 
@@ -14,9 +15,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
 
+from qrobot.plan.map_ruler import CellWalk, LaneWalk
 from qrobot.problem.aisles import AisleWarehouse
 from qrobot.problem.checks import MAX_LENGTH
 from qrobot.problem.floor import OpenFloor
+from qrobot.problem.floor_map import FloorMap
+from qrobot.problem.lane_network import LaneNetwork
 from qrobot.problem.table import DistanceTable
 from qrobot.problem.warehouse import Node, Place, Point, Slot, Warehouse
 
@@ -38,7 +42,13 @@ class Ruler:
     def __init__(self, warehouse: Warehouse) -> None:
         self._warehouse = warehouse
         self._known: dict[tuple[Place | None, Place | None], float] = {}
-        self._walk = _Walk(warehouse) if isinstance(warehouse, AisleWarehouse) else None
+        self._walk: _Walk | CellWalk | LaneWalk | None = None
+        if isinstance(warehouse, AisleWarehouse):
+            self._walk = _Walk(warehouse)
+        elif isinstance(warehouse, FloorMap):
+            self._walk = CellWalk(warehouse)
+        elif isinstance(warehouse, LaneNetwork):
+            self._walk = LaneWalk(warehouse)
 
     def both_ways(self) -> Ruler | None:
         """Return a ruler that measures as if no aisle were one-way, or None when none is."""

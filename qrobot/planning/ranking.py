@@ -21,7 +21,7 @@ from qrobot.backends.classical.exact.tours import (
     shortest_tour,
 )
 from qrobot.errors import InfeasibleError, InputError
-from qrobot.problem import Instance, Node, Place, Point, Robot, Slot
+from qrobot.problem import Instance, Node, Place, Point, Pose, Robot, Slot
 
 __all__ = ["DEFAULT_SECONDS", "RankedOrder", "rank_orders"]
 
@@ -31,7 +31,12 @@ DEFAULT_SECONDS = 10.0
 DIGITS = 9
 """Decimals of metres in which ways differ; less is rounding."""
 
-FORMS = {"aisles": "a slot as AISLE,SLOT or AISLE,SLOT,BLOCK", "matrix": "the number of a node"}
+FORMS = {
+    "aisles": "a slot as AISLE,SLOT or AISLE,SLOT,BLOCK",
+    "matrix": "the number of a node",
+    "map": "the name of a pose, or coordinates as X,Y",
+    "lanes": "the name of a pose",
+}
 """How places are written, by the kind of warehouse."""
 
 
@@ -202,6 +207,8 @@ def _named(instance: Instance, text: str) -> Place:
     items = {item.id: item for item in instance.items}
     if text in items:
         return items[text].place
+    if text in dict(getattr(instance.warehouse, "poses", ())):
+        return Pose(text)
     form = FORMS.get(instance.warehouse.kind, "coordinates as X,Y")
     try:
         match instance.warehouse.kind:

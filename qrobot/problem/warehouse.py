@@ -1,7 +1,8 @@
 """What a warehouse is, and where an item can lie in one.
 
-The kinds stand in files of their own: `AisleWarehouse` (`aisles`), `OpenFloor` (`floor`) and
-`DistanceTable` (`table`). All lengths of one warehouse are in one unit, metres by convention.
+The kinds stand in files of their own: `AisleWarehouse` (`aisles`), `OpenFloor` (`floor`),
+`DistanceTable` (`table`), `FloorMap` (`floor_map`) and `LaneNetwork` (`lane_network`). All
+lengths of one warehouse are in one unit, metres by convention.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from qrobot._arrays import Floats
+from qrobot.problem.checks import canonical
 
-__all__ = ["Node", "Place", "Point", "Slot", "Warehouse"]
+__all__ = ["Node", "Place", "Point", "Pose", "Slot", "Warehouse"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +66,22 @@ class Node:
         return f"node {self.index}"
 
 
-Place = Slot | Point | Node
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A place that a map has a name for."""
+
+    name: str
+
+    def __post_init__(self) -> None:
+        """Keep the name's composed form."""
+        object.__setattr__(self, "name", canonical(self.name))
+
+    def __str__(self) -> str:
+        """Name the place as errors do."""
+        return f"pose {self.name!r}"
+
+
+Place = Slot | Point | Node | Pose
 
 
 class Warehouse(Protocol):

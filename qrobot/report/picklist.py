@@ -15,7 +15,7 @@ from qrobot._numbers import number
 from qrobot._text import columns, count, printable
 from qrobot.errors import InputError
 from qrobot.plan import Plan
-from qrobot.problem import Instance, Item, Node, Point, Slot
+from qrobot.problem import Instance, Item, Node, Point, Pose, Slot
 from qrobot.problem.checks import canonical
 from qrobot.report.scene import Journey, Scene, checked_scene
 from qrobot.report.timeline import timeline
@@ -310,6 +310,8 @@ def location(instance: Instance, item: Item) -> str:
             return f"x {number(place.x)}, y {number(place.y)}"
         case Node():
             return f"node {place.index}"
+        case Pose():
+            return place.name
 
 
 def exact_text(value: Fraction) -> str:

@@ -32,7 +32,7 @@ from qrobot.errors import InputError
         (
             "warehouse",
             [],
-            "warehouse: an empty list is not known; give 'aisles', 'floor' or 'matrix'",
+            "warehouse: an empty list is not known; give 'aisles', 'floor', 'matrix', 'map' or",
         ),
         ("warehouse.kind", "hall", "warehouse.kind: \"hall\" is not known; give 'aisles'"),
         ("warehouse.kind", ..., "warehouse.kind: null is not known; give"),

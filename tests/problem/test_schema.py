@@ -18,6 +18,7 @@ from qrobot.problem.formats.schema import json_schema
 
 PUBLISHED = Path(qrobot.__file__).parent / "problem" / "instance.schema.json"
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.json"))
+ON_MAPS = sorted((Path(__file__).parents[2] / "examples/maps").glob("on-*.json"))
 VALIDATOR = jsonschema.Draft202012Validator(json.loads(PUBLISHED.read_text()))
 
 
@@ -35,6 +36,12 @@ def test_the_published_schema_is_a_schema() -> None:
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.name)
 def test_every_example_is_valid(path: Path) -> None:
     VALIDATOR.validate(json.loads(path.read_text()))
+
+
+@pytest.mark.parametrize("path", ON_MAPS, ids=lambda p: p.name)
+def test_examples_on_maps_are_valid_as_they_are_and_written_whole(path: Path) -> None:
+    VALIDATOR.validate(json.loads(path.read_text()))
+    VALIDATOR.validate(json.loads(to_text(qrobot.read(path))))
 
 
 @settings(max_examples=50, deadline=None)

@@ -17,13 +17,14 @@ PLACES: tuple[tuple[frozenset[str], frozenset[str]], ...] = (
     (frozenset({"aisle", "slot"}), frozenset({"block", "side", "level"})),
     (frozenset({"x", "y"}), frozenset({"level"})),
     (frozenset({"node"}), frozenset({"level"})),
+    (frozenset({"pose"}), frozenset({"level"})),
 )
 """Columns that a place needs, and those that it may have."""
 
 ALIASES = {"label": "place", "class": "category"}
 """Other names of our columns."""
 
-TEXTS = frozenset({"order", "item", "article", "place", "side", "category"})
+TEXTS = frozenset({"order", "item", "article", "place", "pose", "side", "category"})
 """Columns whose cells are not numbers."""
 
 Error = Callable[[str, str], InputError]
@@ -259,6 +260,6 @@ def _check_columns(columns: list[str], theirs: list[str], kind: Kind, error: Err
     if not any(needed <= given <= needed | more for needed, more in kind.places):
         raise error(
             f"the columns {', '.join(sorted(given))} are not a place" if given else "has no place",
-            "give aisle and slot (and block, side), or x and y, or node"
+            "give aisle and slot (and block, side), or x and y, or node, or pose"
             + (", or place" if any("place" in needed for needed, _ in kind.places) else ""),
         )

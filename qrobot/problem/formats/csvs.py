@@ -1,11 +1,11 @@
 """Orders as a table, CSV or a workbook, with the layout and the robots as native JSON beside them.
 
 Columns, in any sequence: ``order``, ``item`` or ``article``, ``weight`` and the place (``aisle,
-slot`` and, when wanted, ``block`` and ``side``; or ``x, y``; or ``node``; or ``place``, a label
-that a location table explains), ``pick_seconds`` (of one piece), and ``quantity`` when one line
-means several pieces. What an article weighs and where it lies may stand in an article master
-instead. An unknown column is refused, not passed over: a misspelt ``quantity`` would lose weight
-without a word.
+slot`` and, when wanted, ``block`` and ``side``; or ``x, y``; or ``node``; or ``pose``; or
+``place``, a label that a location table explains), ``pick_seconds`` (of one piece), and
+``quantity`` when one line means several pieces. What an article weighs and where it lies may stand
+in an article master instead. An unknown column is refused, not passed over: a misspelt
+``quantity`` would lose weight without a word.
 """
 
 from __future__ import annotations
@@ -55,6 +55,7 @@ _OTHERS = (
     "x",
     "y",
     "node",
+    "pose",
     "place",
     "level",
     "volume",
@@ -174,7 +175,7 @@ def _where(lines: Sequence[Line], field: str) -> str:
     if column == "id":
         column = article_column(line)
     elif not line.has(column):  # the place as a whole: its first column
-        column = next((c for c in ("place", "aisle", "x", "node") if line.has(c)), column)
+        column = next((c for c in ("place", "aisle", "x", "node", "pose") if line.has(c)), column)
     return line.where(column)
 
 

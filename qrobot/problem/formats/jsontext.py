@@ -196,7 +196,8 @@ def located(text: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        place = find_path(text, error.field) if error.field else None
+        ours = error.source is None  # the field may be one of another file
+        place = find_path(text, error.field) if error.field and ours else None
         raise error.at(f"{error.field}, {place}") if place else error from None
 
 

@@ -13,7 +13,7 @@ from typing import TypeVar
 from qrobot._files import StrPath
 from qrobot._formats import MASTER_SUFFIXES
 from qrobot.errors import InputError
-from qrobot.problem import Node, Place, Point, Slot, Warehouse
+from qrobot.problem import Node, Place, Point, Pose, Slot, Warehouse
 from qrobot.problem.formats.cells import Line
 from qrobot.problem.formats.columns import PLACES, Kind, Wishes, lines_of
 from qrobot.problem.formats.sheets import WORKBOOK, Sheet, read_sheet, sheet_called
@@ -21,7 +21,7 @@ from qrobot.problem.formats.sheets import WORKBOOK, Sheet, read_sheet, sheet_cal
 __all__ = ["Bin", "Masters", "article_column", "articles_of", "bins_of", "master_sheet", "name_of"]
 
 LOCATIONS = Kind(
-    (("place",),), ("aisle", "block", "slot", "side", "level", "x", "y", "node"), PLACES
+    (("place",),), ("aisle", "block", "slot", "side", "level", "x", "y", "node", "pose"), PLACES
 )
 ARTICLES = Kind((("article", "item"),), ("weight", "volume", "category", "pick_seconds", "place"))
 
@@ -194,13 +194,15 @@ def level_of(line: Line) -> int:
 
 
 def _has_numbers(line: Line) -> bool:
-    return line.has("aisle") or line.has("x") or line.has("node")
+    return any(line.has(column) for column in ("aisle", "x", "node", "pose"))
 
 
 def place_of(line: Line) -> Place:
     """Return the place that the numbers of a line say."""
     if line.has("node"):
         return Node(line.whole("node"))
+    if line.has("pose"):
+        return Pose(line.text("pose"))
     if line.has("x"):
         return Point(float(line.number_of("x")), float(line.number_of("y")))
     side = line.text("side").lower() if line.fills("side") else "left"

@@ -22,6 +22,7 @@ from qrobot.problem import (
     Order,
     Place,
     Point,
+    Pose,
     Robot,
     Slot,
     Stock,
@@ -31,17 +32,22 @@ from qrobot.problem import (
 from qrobot.problem.fleets import check_fleet_size
 from qrobot.problem.formats.fields import shown
 from qrobot.problem.formats.jsontext import loads, located
+from qrobot.problem.formats.native_maps import lanes_of, map_of
 from qrobot.problem.formats.native_text import to_text
 from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 from qrobot.problem.formats.schema import (
+    KINDS,
     SCHEMA,
     AislesModel,
     Document,
     FleetModel,
     FloorModel,
     ItemModel,
+    LanesModel,
+    MapModel,
     NodeModel,
     PointModel,
+    PoseModel,
     SlotModel,
     StockModel,
 )
@@ -67,6 +73,7 @@ _WISHES = {
     "string_pattern_mismatch": "text without control characters",
     "list_type": "a list",
     "model_type": "an object",
+    "dict_type": "an object",
     "too_short": "more entries",
     "too_long": "fewer entries",
 }
@@ -84,8 +91,10 @@ class Layout:
     times: Times
 
 
-def parse_native(text: str, *, pool: bool = False) -> Instance:
+def parse_native(text: str, folder: Path | None = None, *, pool: bool = False) -> Instance:
     """Return the instance of native JSON text; a `pool` may be larger than one plan.
+
+    Files that it names are relative to `folder`.
 
     Raises
     ------
@@ -93,22 +102,22 @@ def parse_native(text: str, *, pool: bool = False) -> Instance:
         When the text is not a document of this schema, or what it asks makes no sense.
     """
     with located(text):
-        return _instance(_document(loads(text)), pool)
+        return _instance(_document(loads(text)), folder or Path(), pool)
 
 
 def instance_of_data(data: Any) -> Instance:
     """Return the instance of a document that stands in another one, read by `jsontext.loads`."""
-    return _instance(_document(data), pool=False)
+    return _instance(_document(data), Path(), pool=False)
 
 
-def _instance(document: Document, pool: bool) -> Instance:
+def _instance(document: Document, folder: Path, pool: bool) -> Instance:
     if "items" not in document.model_fields_set:
         raise InputError(
             "is missing (a document without items is a layout)",
             field="items",
             advice="add the items, or give the orders as CSV with this layout",
         )
-    layout = _layout(document)
+    layout = _layout(document, folder)
     items = tuple(_item(one) for one in document.items)
     if "orders" in document.model_fields_set:
         orders = tuple(
@@ -154,7 +163,7 @@ def read_layout(path: StrPath) -> Layout:
                     field=name,
                     advice="remove it, or solve this file",
                 )
-        return _layout(document)
+        return _layout(document, Path(path).parent)
 
 
 def _document(data: Any) -> Document:
@@ -191,10 +200,10 @@ def _sentence(error: ValidationError) -> InputError:
         inside = isinstance(first["input"], dict)
         path += ".kind" if inside else ""
         problem = f"{shown(first['input'].get('kind')) if inside else value} is not known"
-        advice = "give 'aisles', 'floor' or 'matrix'"
+        advice = f"give {', '.join(map(repr, KINDS[:-1]))} or {KINDS[-1]!r}"
     elif kind == "place":
         problem = f"{value} is not a place"
-        advice = "give aisle, block and slot; or x and y; or node"
+        advice = "give aisle, block and slot; or x and y; or node; or pose"
     elif kind == "robots":
         problem, advice = f"{value} is not a fleet", "give count and capacity, or a list of robots"
     else:
@@ -203,10 +212,12 @@ def _sentence(error: ValidationError) -> InputError:
     return InputError(problem, field=path.removeprefix("."), advice=advice)
 
 
-def _layout(document: Document) -> Layout:
+def _layout(document: Document, folder: Path) -> Layout:
     try:
-        warehouse = _warehouse(document)
+        warehouse = _warehouse(document, folder)
     except InputError as error:
+        if error.source is not None:  # it is about another file
+            raise
         raise error.at(f"warehouse.{error.field}") from None
     fleet = document.robots
     if isinstance(fleet, FleetModel):
@@ -227,8 +238,12 @@ def _layout(document: Document) -> Layout:
     return Layout(document.name, document.comment, warehouse, robots, times)
 
 
-def _warehouse(document: Document) -> Warehouse:
+def _warehouse(document: Document, folder: Path) -> Warehouse:
     model = document.warehouse
+    if isinstance(model, MapModel):
+        return map_of(model, folder)
+    if isinstance(model, LanesModel):
+        return lanes_of(model, folder)
     if isinstance(model, AislesModel):
         return AisleWarehouse(
             aisles=model.aisles,
@@ -266,17 +281,17 @@ def _stock(model: StockModel) -> Stock:
     return Stock(place=_place(fields.pop("at")), **fields)
 
 
-def _place(model: SlotModel | PointModel | NodeModel) -> Place:
+def _place(model: SlotModel | PointModel | NodeModel | PoseModel) -> Place:
     if isinstance(model, SlotModel):
         return Slot(model.aisle, model.slot, model.block, model.side)
     if isinstance(model, PointModel):
         return Point(model.x, model.y)
-    return Node(model.node)
+    return Pose(model.pose) if isinstance(model, PoseModel) else Node(model.node)
 
 
 def read_native(path: Path, options: ReadOptions) -> Instance:
     """Return the instance of a native JSON file."""
-    return parse_native(read_text(path), pool=options.pool)
+    return parse_native(read_text(path), path.parent, pool=options.pool)
 
 
 FORMAT = builtin(__name__, read_native, write=to_text)

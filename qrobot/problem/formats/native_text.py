@@ -13,12 +13,15 @@ from qrobot.errors import InputError
 from qrobot.problem import (
     AisleWarehouse,
     DistanceTable,
+    FloorMap,
     Instance,
     Item,
+    LaneNetwork,
     OpenFloor,
     Order,
     Place,
     Point,
+    Pose,
     Robot,
     Slot,
     Stock,
@@ -27,6 +30,7 @@ from qrobot.problem import (
 )
 from qrobot.problem.fleets import NO_LIMIT
 from qrobot.problem.formats.jsontext import dumps
+from qrobot.problem.formats.native_maps import map_data
 from qrobot.problem.formats.schema import SCHEMA
 
 __all__ = ["to_text"]
@@ -123,7 +127,7 @@ def _place_data(place: Place) -> dict[str, Any]:
         return {"aisle": place.aisle, "block": place.block, "slot": place.slot, "side": place.side}
     if isinstance(place, Point):
         return {"x": place.x, "y": place.y}
-    return {"node": place.index}
+    return {"pose": place.name} if isinstance(place, Pose) else {"node": place.index}
 
 
 def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
@@ -165,6 +169,8 @@ def _warehouse_data(warehouse: Warehouse) -> dict[str, Any]:
             "rounding": warehouse.rounding,
             "depot": {"x": warehouse.depot_x, "y": warehouse.depot_y},
         }
+    if isinstance(warehouse, FloorMap | LaneNetwork):
+        return map_data(warehouse)
     if not isinstance(warehouse, DistanceTable):
         raise InputError(
             f"{warehouse.kind!r} is not a kind of warehouse that native JSON has",

@@ -33,20 +33,27 @@ from qrobot.problem.formats.fields import (
 )
 
 __all__ = [
+    "KINDS",
     "SCHEMA",
     "AislesModel",
     "Document",
     "FleetModel",
     "FloorModel",
     "ItemModel",
+    "LanesModel",
+    "MapModel",
     "NodeModel",
     "PointModel",
+    "PoseModel",
     "SlotModel",
     "StockModel",
     "json_schema",
 ]
 
 SCHEMA = "qrobot.instance/1"
+
+KINDS = ("aisles", "floor", "matrix", "map", "lanes")
+"""Of warehouses."""
 
 
 class _Strict(BaseModel):
@@ -92,6 +99,12 @@ class NodeModel(_Strict):
     """A row of the distance matrix, from 0."""
 
     node: Index
+
+
+class PoseModel(_Strict):
+    """A place that a map has a name for."""
+
+    pose: Name
 
 
 class DepotWayModel(_Strict):
@@ -180,6 +193,47 @@ class TableModel(_Strict):
     positions: list[Annotated[list[Number], Field(min_length=2, max_length=2)]] | None = None
 
 
+XY = Annotated[list[Number], Field(min_length=2, max_length=2)]
+
+
+def _named_or(other: str) -> Discriminator:
+    """Return what tells a name from an object."""
+    return Discriminator(lambda value: "<name>" if isinstance(value, str) else other)
+
+
+class MapModel(_Strict):
+    """An occupancy map, of a file or of its cells; distances are shortest ways over free cells."""
+
+    kind: Literal["map"]
+    file: Name = ""
+    depot: Annotated[
+        Annotated[Name, Tag("<name>")] | Annotated[PointModel, Tag("<point>")],
+        _named_or("<point>"),
+    ]
+    poses: Annotated[
+        Annotated[Name, Tag("<name>")] | Annotated[dict[Name, XY], Tag("<each>")],
+        _named_or("<each>"),
+    ] = {}
+    radius: Length = 0.0
+    cell: Positive = 0.0
+    cells: list[str] = []
+    resolution: Positive = 1.0
+    origin: Annotated[list[Number], Field(min_length=3, max_length=3)] = [0.0, 0.0, 0.0]
+
+
+class LanesModel(_Strict):
+    """A network of lanes, of a file or of its vertices; distances are shortest ways along lanes."""
+
+    kind: Literal["lanes"]
+    file: Name = ""
+    level: Name = ""
+    graph: Index = 0
+    depot: Name
+    vertices: list[XY] = []
+    lanes: list[Annotated[list[Index], Field(min_length=2, max_length=2)]] = []
+    poses: dict[Name, Index] = {}
+
+
 class OrderModel(_Strict):
     """Items that stay together on one trip."""
 
@@ -231,7 +285,7 @@ def _by_keys(**tags: str) -> Callable[[Any], str | None]:
 
 def _warehouse_kind(value: Any) -> str | None:
     kind = value.get("kind") if isinstance(value, dict) else None
-    return f"<{kind}>" if kind in ("aisles", "floor", "matrix") else None
+    return f"<{kind}>" if kind in KINDS else None
 
 
 def _robots_kind(value: Any) -> str | None:
@@ -241,9 +295,10 @@ def _robots_kind(value: Any) -> str | None:
 PlaceModel = Annotated[
     Annotated[SlotModel, Tag("<slot>")]
     | Annotated[PointModel, Tag("<point>")]
-    | Annotated[NodeModel, Tag("<node>")],
+    | Annotated[NodeModel, Tag("<node>")]
+    | Annotated[PoseModel, Tag("<pose>")],
     Discriminator(
-        _by_keys(aisle="slot", slot="slot", x="point", y="point", node="node"),
+        _by_keys(aisle="slot", slot="slot", x="point", y="point", node="node", pose="pose"),
         custom_error_type="place",
         custom_error_message="place",
     ),
@@ -251,7 +306,9 @@ PlaceModel = Annotated[
 WarehouseModel = Annotated[
     Annotated[AislesModel, Tag("<aisles>")]
     | Annotated[FloorModel, Tag("<floor>")]
-    | Annotated[TableModel, Tag("<matrix>")],
+    | Annotated[TableModel, Tag("<matrix>")]
+    | Annotated[MapModel, Tag("<map>")]
+    | Annotated[LanesModel, Tag("<lanes>")],
     Discriminator(_warehouse_kind, custom_error_type="kind", custom_error_message="kind"),
 ]
 RobotsModel = Annotated[
