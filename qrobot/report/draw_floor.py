@@ -1,4 +1,4 @@
-"""A plan on an open floor or over a table of distances: points and the ways between them."""
+"""A plan on an open floor, a map or lanes, or over a table of distances: points and ways."""
 
 from __future__ import annotations
 
@@ -7,12 +7,16 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from matplotlib.collections import LineCollection
+from matplotlib.transforms import Affine2D
+
 from qrobot._numbers import number
 from qrobot._text import shown
-from qrobot.problem import DistanceTable, OpenFloor, Warehouse
+from qrobot.problem import DistanceTable, FloorMap, LaneNetwork, OpenFloor, Warehouse
 from qrobot.report.canvas import Canvas
 from qrobot.report.labels import POINTS, placed, spread, text_width
 from qrobot.report.lanes import XY, Lanes, Track
+from qrobot.report.map_shapes import beside, extent, is_drawn, shades
 from qrobot.report.maps import Look, Map
 from qrobot.report.palette import GREY
 from qrobot.report.scene import Journey, Scene
@@ -24,16 +28,19 @@ MOST_NAMES = 25
 
 
 def draw_floor(scene: Scene) -> Any:
-    """Return the figure of a plan on an open floor or over a table of distances."""
+    """Return the figure of a plan where places are points."""
     house = scene.instance.warehouse
-    assert isinstance(house, OpenFloor | DistanceTable)
     spots = [house.position(item.place) for item in scene.instance.items]
-    xs, ys = zip(*spots, house.depot, strict=True)
+    ends = [house.depot]
+    if isinstance(house, FloorMap | LaneNetwork):
+        left, bottom, right, top = extent(house)
+        ends += [(left, bottom), (right, top)]
+    xs, ys = zip(*spots, *ends, strict=True)
     low, high = (min(xs), min(ys)), (max(xs), max(ys))
     span = max(high[0] - low[0], high[1] - low[1]) or 1.0
     # A line of points still gets a sheet that looks like a floor.
     thin = [max(0.0, 0.3 * span - (high[k] - low[k])) / 2 for k in (0, 1)]
-    pad = 0.075 * span
+    pad = (0.02 if isinstance(house, FloorMap) else 0.075) * span
     named = scene.instance.size <= MOST_NAMES
     canvas = Canvas(
         scene,
@@ -51,6 +58,7 @@ def draw_floor(scene: Scene) -> Any:
 def _draw_all(drawn: Map, scene: Scene, spots: Sequence[XY], named: bool) -> None:
     house = scene.instance.warehouse
     _frame(drawn, house)
+    _ground(drawn, house)
     size = _marker(drawn, len(set(spots)))
     lines = _ways(drawn, scene, scene.journeys, size, arrow=4.0, most=2.3)
     marks = spread(spots, drawn.metres(0.9 * size))
@@ -83,6 +91,7 @@ def _draw_alone(drawn: Map, scene: Scene, journey: Journey, spots: Sequence[XY])
     drawn.axes.set(xticks=[], yticks=[])
     for side in drawn.axes.spines.values():
         side.set_color("#c3ccd6")
+    _ground(drawn, scene.instance.warehouse)
     xs, ys = zip(*spots, strict=True)
     drawn.axes.plot(xs, ys, ls="none", marker="o", ms=1.6, mfc="#c3ccd6", mec="none", zorder=2)
     (line,) = _ways(drawn, scene, [journey], 9.0, arrow=4.0, most=1.3)
@@ -118,6 +127,25 @@ def _frame(drawn: Map, house: Warehouse) -> None:
         side.set_color("#c3ccd6")
 
 
+def _ground(drawn: Map, house: Warehouse) -> None:
+    """Draw the cells of a map, or the lanes; gid ``map`` or ``lanes``."""
+    axes, gid = drawn.axes, f"{drawn.prefix}{house.kind}"
+    if isinstance(house, FloorMap):
+        x, y, yaw = house.origin
+        wide, high = len(house.rows[0]) * house.resolution, len(house.rows) * house.resolution
+        turned = Affine2D().rotate(yaw).translate(x, y) + axes.transData
+        axes.imshow(
+            shades(house), extent=(0, wide, 0, high), origin="lower", interpolation="nearest",
+            aspect="auto", transform=turned, zorder=0.5, gid=gid,
+        )  # fmt: skip
+    elif isinstance(house, LaneNetwork):
+        ends = [[house.vertices[a], house.vertices[b]] for a, b in house.lanes]
+        axes.add_collection(LineCollection(ends, colors="#c3ccd6", lw=2.2, zorder=1, gid=gid))
+        look = Look(line=1.0, halo=0.0, arrow=5.0, every=1e9)
+        one_way = [(house.vertices[a], house.vertices[b]) for a, b in house.one_ways]
+        drawn.heads(one_way, look, "#8a95a3")
+
+
 def _marker(drawn: Map, count: int) -> float:
     """Return the size of the items' marks, points: they should hardly overlap."""
     (left, right), (low, high) = drawn.axes.get_xlim(), drawn.axes.get_ylim()
@@ -129,6 +157,8 @@ def _lines(
     drawn: Map, house: Warehouse, journeys: Sequence[Journey], look: Look, size: float
 ) -> list[Track]:
     legs = [journey.legs for journey in journeys]
+    if is_drawn(house):
+        return beside(legs, drawn.metres(1.6 * look.line), drawn.metres(12))
     if isinstance(house, OpenFloor) and house.metric == "manhattan":
         room = drawn.metres(30)
         lanes = Lanes(legs, margin=drawn.metres(4))

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from qrobot.problem import AisleWarehouse, OpenFloor, Place, Slot
+from qrobot.problem import AisleWarehouse, FloorMap, LaneNetwork, OpenFloor, Place, Slot
 from qrobot.report.lanes import XY, Lanes, Track, rounded
+from qrobot.report.map_shapes import beside, extent, is_drawn, walls
 from qrobot.report.palette import Colour
 from qrobot.report.racks import Box, Racks
 from qrobot.report.scene import Journey, Scene
@@ -95,7 +96,9 @@ class FloorPlan:
     floor
         Outline; None where the warehouse has none.
     racks
-        As the attribute ``d`` of one path.
+        As the attribute ``d`` of one path: racks, or walls of a map.
+    lanes
+        Lanes of a network: where each begins and leads to.
     closed
         Boxes that nobody can enter.
     one_ways
@@ -118,6 +121,7 @@ class FloorPlan:
     height: float
     floor: Box | None
     racks: str
+    lanes: tuple[tuple[XY, XY], ...]
     closed: tuple[Box, ...]
     one_ways: tuple[tuple[XY, XY], ...]
     heads: tuple[str, ...]
@@ -150,13 +154,20 @@ def floor_plan(scene: Scene, journeys: Sequence[Journey], size: tuple[float, flo
             sharing.setdefault(place, []).append(journey.number)
     others = [item.place for item in scene.instance.items if item.id not in shown]
     boxes = [] if racks is None else _rack_boxes(racks, frame)
-    ends = () if racks is None else racks.one_ways()
+    ends: Iterable[tuple[XY, XY]] = () if racks is None else racks.one_ways()
+    lanes: Iterable[tuple[XY, XY]] = ()
+    if isinstance(house, LaneNetwork):
+        at = house.vertices
+        ends, lanes = ([(at[a], at[b]) for a, b in some] for some in (house.one_ways, house.lanes))
     one_ways = tuple((frame.point(first), frame.point(last)) for first, last in ends)
+    outlines = walls(house) if isinstance(house, FloorMap) else ()
     return FloorPlan(
         width=frame.width,
         height=frame.height,
         floor=None if racks is None else frame.box(racks.floor),
-        racks="".join(f"M{x:.1f} {y:.1f}h{w:.1f}v{h:.1f}h{-w:.1f}z" for x, y, w, h in boxes),
+        racks="".join(f"M{x:.1f} {y:.1f}h{w:.1f}v{h:.1f}h{-w:.1f}z" for x, y, w, h in boxes)
+        + "".join("M" + "L".join(map(frame.text, corners)) + "z" for corners in outlines),
+        lanes=tuple((frame.point(first), frame.point(last)) for first, last in lanes),
         closed=() if racks is None else tuple(map(frame.box, racks.closed())),
         one_ways=one_ways,
         heads=tuple(head for part in one_ways for head in _arrows(part, size=ONE_WAY_HEAD)),
@@ -192,6 +203,10 @@ class _Frame:
         x = self._shift[0] + (at[0] - self._left) * self.scale
         return round(x, 2), round(self._shift[1] + (self._high - at[1]) * self.scale, 2)
 
+    def text(self, at: XY) -> str:
+        x, y = self.point(at)
+        return f"{x:.1f} {y:.1f}"
+
     def box(self, box: Box) -> Box:
         left, low, width, height = box
         x, y = self.point((left, low + height))
@@ -203,6 +218,9 @@ def _extent(scene: Scene, racks: Racks | None) -> tuple[float, float, float, flo
     points = [house.depot]
     if racks is None:
         points += [house.position(place) for place in scene.instance.places]
+        if isinstance(house, FloorMap | LaneNetwork):
+            left, low, right, high = extent(house)
+            points += [(left, low), (right, high)]
     else:
         left, low, width, height = racks.floor
         points += [(left, low), (left + width, low + height)]
@@ -246,6 +264,8 @@ def _tracks(
         widths = 1.9 * racks.cross, 1.9 * racks.aisle
     elif isinstance(house, OpenFloor) and house.metric == "manhattan":
         widths = 6 * step, 6 * step
+    elif is_drawn(house):
+        return beside([j.legs for j in journeys], step, 3 * step)
     else:
         return [
             Track(

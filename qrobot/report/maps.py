@@ -137,6 +137,19 @@ class Map:
                         break
         return found
 
+    def heads(self, parts: Sequence[tuple[XY, XY]], look: Look, colour: str) -> None:
+        """Draw an arrow head in the middle of each part of the floor that has a direction."""
+        found = []
+        for a, b in parts:
+            if (length := math.dist(a, b)) > self.metres(look.arrow):
+                middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+                ahead = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+                found.append(self._head(middle, ahead, look))
+        if found:
+            self.axes.add_artist(
+                PolyCollection(found, fc=colour, lw=0, zorder=1.5, gid=f"{self.prefix}one-ways")
+            )
+
     def _head(self, at: XY, ahead: XY, look: Look) -> list[XY]:
         long, wide = self.metres(look.arrow), self.metres(look.arrow * 0.42)
         (x, y), (dx, dy) = at, ahead
