@@ -25,6 +25,7 @@ COMMANDS = {
     "check": "Check a plan against its instance, without trusting any solver.",
     "picklist": "Print what each robot takes at each stop, and the basket that it goes into.",
     "schedule": "Print when each robot leaves and is back, trip by trip.",
+    "ways": "Write the ways and stops of a plan as GeoJSON, for maps of other programs.",
     "compare-routing": "Compare the routing policies that pickers know on the trips of a plan.",
     "backends": "List the backends: what they can do and how to install them.",
     "bench": "Compare backends on a folder of instances.",

@@ -2,6 +2,7 @@
 
 from qrobot.report.comparison import PolicyComparison, compare_routing
 from qrobot.report.gantt import draw_schedule
+from qrobot.report.geojson import geojson, geojson_text
 from qrobot.report.picklist import PickLists, pick_lists
 from qrobot.report.picklist_page import picklist_page
 from qrobot.report.picture import check_picture_path, plot
@@ -15,6 +16,8 @@ __all__ = [
     "check_picture_path",
     "compare_routing",
     "draw_schedule",
+    "geojson",
+    "geojson_text",
     "pick_lists",
     "picklist_page",
     "plot",

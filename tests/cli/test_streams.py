@@ -68,6 +68,7 @@ COMMANDS = [
     Command(f"check plan.json {QUESTION}", states="all"),
     Command(f"check plan.json {QUESTION} --json"),
     Command(f"schedule plan.json {QUESTION} -o s.csv", ("s.csv",), states="few"),
+    Command(f"ways plan.json {QUESTION} -o w.geojson", ("w.geojson",), states="few"),
     Command(f"check wrong.json {QUESTION}", code=1),
     Command("check missing.json missing.json", code=2),
     Command(f"export {QUESTION} model.coo", ("model.coo",)),
