@@ -14,7 +14,7 @@ from qrobot.backends import Stop
 from qrobot.backends.classical.exact import ExactPlanner
 from qrobot.backends.classical.generation import bound_of_batches
 from qrobot.plan import Plan, check
-from qrobot.planning.bounds import forest_bound, load_steps, quick_bound, walk_bound
+from qrobot.planning.bounds import forest_bound, load_steps, quick_bound, tours_bound, walk_bound
 from qrobot.planning.one_way import shorten_trips
 from qrobot.planning.run import Run
 
@@ -55,7 +55,7 @@ def begin_bound(run: Run) -> None:
     if not instance.orders:
         return
     with run.timed("bound"):
-        run.best.raise_bound(quick_bound(instance))
+        run.best.raise_bound(max(quick_bound(instance), tours_bound(instance)))
         if math.isinf(run.stop.remaining) or len(instance.orders) <= INSTANT:
             return  # all of it comes after the search, and takes no time
         stop = run.stop.within(EARLY_SHARE * run.stop.remaining)

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from qrobot import _jit
+from qrobot._arrays import Floats
 from qrobot.errors import InputError
 from qrobot.problem import AisleWarehouse, Instance, Slot
 from qrobot.warehouse.ends import OnCrossAisle, ends_of
@@ -100,6 +101,15 @@ class Router:
         )
         costs = part_costs(self.grid, parts, offsets)
         return sweep(costs, self.grid.across, self.grid.doors, columns, ends=self.grid.ends)[0]
+
+    def lengths(self, picks: Sequence[Sequence[Slot]]) -> Floats:
+        """Return the lengths of shortest tours past each of several lists of slots, metres."""
+        if self.warehouse.is_one_way or not self._compiled or not len(picks):
+            return np.array([self.length(slots) for slots in picks], dtype=np.float64)
+        from qrobot.warehouse.kernels import masks_of, tour_length  # takes a second to load
+
+        layout, masks = masks_of(self.warehouse, picks)
+        return np.array([float(tour_length(mask, layout)) for mask in masks])
 
     def tour(
         self,

@@ -18,6 +18,7 @@ from oracles import least_distance, paper_shaped
 from strategies import instances
 
 import qrobot
+from qrobot import _jit
 from qrobot.backends import Stop
 from qrobot.planning import bounding
 from qrobot.planning.bounding import begin_bound, time_to_search
@@ -27,6 +28,7 @@ from qrobot.planning.bounds import (
     most_trips,
     quick_bound,
     radial_bound,
+    tours_bound,
     walk_bound,
 )
 from qrobot.planning.bounds.quick import shortest_ways
@@ -112,8 +114,44 @@ def test_no_bound_exceeds_the_optimum(instance: Instance, known: bool) -> None:
     limit = least * (1 + 1e-9) + 1e-9
     assert fewest_trips(instance) <= trips
     assert radial_bound(instance) <= quick_bound(instance) <= limit
+    assert tours_bound(instance) <= limit
     assert walk_bound(instance, upper, never, 40) <= limit
     assert forest_bound(instance, upper, never, 60) <= limit
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10**6), st.integers(1, 3), st.integers(1, 4), st.sampled_from([4, 8, 100]))
+def test_tours_of_orders_bound_plans_in_aisles(
+    seed: int, orders: int, blocks: int, room: int
+) -> None:
+    """Never below the ways out and back; the optimum where one order is all there is."""
+    rng = np.random.default_rng(seed)
+    house = AisleWarehouse(aisles=3, slots=4, blocks=blocks, depot_aisle=int(rng.integers(3)))
+    items = [
+        Item(f"o{o}-{k}", 1, Slot(*rng.integers(0, 3, 2).tolist(), int(rng.integers(blocks))))
+        for o in range(orders)
+        for k in range(int(rng.integers(2, 4)))
+    ]
+    lots = [
+        Order(f"o{o}", [i.id for i in items if i.id.startswith(f"o{o}-")]) for o in range(orders)
+    ]
+    fleet = (Robot("R", room, trips=orders),)
+    instance = Instance(house, tuple(items), tuple(lots), fleet)
+    least = least_distance(instance)
+    assert least is not None
+    bound = tours_bound(instance)
+    assert bound <= least[0] * (1 + 1e-9)
+    if instance.whole_orders and _jit.available():
+        assert bound >= radial_bound(instance) * (1 - 1e-9)
+        assert orders > 1 or bound == pytest.approx(least[0])
+
+
+def test_large_waves_in_aisles_are_bounded_by_their_tours() -> None:
+    if not _jit.available():
+        pytest.skip("tours are not compiled here")
+    instance = wave(200, 4)
+    assert tours_bound(instance) > 1.2 * radial_bound(instance)
+    assert qrobot.solve(instance, backend="fcfs", max_work=1).bound >= tours_bound(instance) - 1
 
 
 @settings(deadline=None, max_examples=40)

@@ -7,6 +7,7 @@ from qrobot.planning.bounds.quick import (
     most_trips,
     quick_bound,
     radial_bound,
+    tours_bound,
 )
 from qrobot.planning.bounds.schedule import schedule_bound
 
@@ -19,5 +20,6 @@ __all__ = [
     "quick_bound",
     "radial_bound",
     "schedule_bound",
+    "tours_bound",
     "walk_bound",
 ]

@@ -66,13 +66,14 @@ def _least_trips(pool: Instance) -> Floats:
         )
     tours = _tours(pool)
     least = np.zeros(len(pool.orders))
+    picks: list[list[Slot]] = []
     for o, nodes in enumerate(pool.order_nodes):
         items = [pool.items[v - 1] for v in nodes]
         reach = max(min(away[p] for p in places.get(i.article, [i.place])) for i in items)
         fixed = [i.place for i in items if i.article not in places]
-        slots = list(dict.fromkeys(place for place in fixed if isinstance(place, Slot)))
-        least[o] = max(reach, tours.length(slots)) if tours is not None else reach
-    return least
+        picks.append([place for place in fixed if isinstance(place, Slot)])
+        least[o] = reach
+    return least if tours is None else np.maximum(least, tours.lengths(picks))
 
 
 def _tours(pool: Instance) -> Router | None:

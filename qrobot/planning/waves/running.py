@@ -237,6 +237,10 @@ class _Run:
             self.pool,
             name=f"{self.pool.name}-wave-{number:03d}",
             orders=tuple(_after(order, self.begins) for order in chosen),
+            robots=tuple(
+                dataclasses.replace(r, available=max(0.0, r.available - self.begins))
+                for r in self.pool.robots
+            ),
             items=items,
             stock=self.shelves.stock(items),
             reference=None,
