@@ -26,6 +26,8 @@ COMMANDS = {
     "picklist": "Print what each robot takes at each stop, and the basket that it goes into.",
     "schedule": "Print when each robot leaves and is back, trip by trip.",
     "ways": "Write the ways and stops of a plan as GeoJSON, for maps of other programs.",
+    "state": "Tell what of a plan is delivered and under way at a moment.",
+    "replan": "Plan the rest of a plan in progress anew, and tell what changes.",
     "compare-routing": "Compare the routing policies that pickers know on the trips of a plan.",
     "backends": "List the backends: what they can do and how to install them.",
     "bench": "Compare backends on a folder of instances.",

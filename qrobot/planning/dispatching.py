@@ -119,6 +119,7 @@ def improve(
     with run.timed("run"):
         search = _Search(run, routes, keep or {}, stability)
         search.anneal(stop)
+    run.out_of_time = stop.remaining <= 0
     work = run.record.work
     work["dispatching"] = work.get("dispatching", 0) + search.moves // MOVES
 

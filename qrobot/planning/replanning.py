@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,6 +22,7 @@ from qrobot.backends.classical.exact.tours import MAX_LISTED, nearest_tour, shor
 from qrobot.errors import InfeasibleError, InputError
 from qrobot.plan.dealing import Seats
 from qrobot.plan.objective import objective_named
+from qrobot.planning.bounds import quick_bound, schedule_bound
 from qrobot.planning.dispatching import improve
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.result import Result
@@ -182,6 +183,7 @@ def replan(
         for trip in old
         if trip.untouched
     }
+    run.best.bound = schedule_bound(instance, aim, quick_bound(instance))
     improve(run, routes, keep, stability)
     result = result_of(run, "auto")
     unchanged, changes = _differences(old, result)
@@ -366,7 +368,7 @@ def _start(instance: Instance, old: Sequence[_OldTrip]) -> tuple[list[list[int]]
 
 
 def _differences(old: Sequence[_OldTrip], result: Result) -> tuple[tuple[int, ...], list[str]]:
-    """Return the trips that stay as they were, and a sentence for each order that moved."""
+    """Return the trips that stay as they were, and a sentence for each other trip of the plan."""
     new = {frozenset(trip.orders): trip for trip in result.plan.trips}
     unchanged = tuple(
         trip.number
@@ -375,19 +377,20 @@ def _differences(old: Sequence[_OldTrip], result: Result) -> tuple[tuple[int, ..
         and (same := new.get(frozenset(trip.orders))) is not None
         and same.robot == trip.robot
     )
-    where = {
-        order: (n, trip.robot)
-        for n, trip in enumerate(result.plan.trips, 1)
-        for order in trip.orders
-    }
-    before: Mapping[str, _OldTrip] = {order: trip for trip in old for order in trip.orders}
+    before = {order: trip for trip in old for order in trip.orders}
+    known = {frozenset(trip.orders) for trip in old if trip.number in unchanged}
     changes = []
-    for order, (number, robot) in where.items():
-        came = before.get(order)
-        if came is None:
-            changes.append(f"order {order} is new, on trip {number} of {robot}")
-        elif came.number not in unchanged and came.robot != robot:
-            changes.append(f"order {order} goes from {came.robot} to {robot}, trip {number}")
-        elif came.number not in unchanged:
-            changes.append(f"order {order} stays with {robot}, now on trip {number}")
+    for number, trip in enumerate(result.plan.trips, 1):
+        if frozenset(trip.orders) in known:
+            continue
+        parts: dict[str, list[str]] = {}
+        for order in trip.orders:
+            came = before.get(order)
+            if came is None:
+                origin = "new"
+            else:
+                origin = "as before" if came.robot == trip.robot else f"from {came.robot}"
+            parts.setdefault(origin, []).append(order)
+        told = "; ".join(f"{origin} {', '.join(orders)}" for origin, orders in parts.items())
+        changes.append(f"trip {number} of {trip.robot}: {told}")
     return unchanged, changes
