@@ -48,7 +48,7 @@ source = qrobot tests ansible benchmarks docker docs/hooks examples healthchecks
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup install demo test test-stacks test-roles provision upgrade rollback fleet-health drift credentials reset wheelhouse virtual-pi virtual-pi-tools virtual-pi-ssh virtual-pi-stop virtual-pi-reset test-virtual-pi test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
+.PHONY: help setup install demo test test-slow test-stacks test-roles provision upgrade rollback fleet-health drift credentials reset wheelhouse virtual-pi virtual-pi-tools virtual-pi-ssh virtual-pi-stop virtual-pi-reset test-virtual-pi test-images test-arm64 image image-tools notebooks tutorial lint format docs bench lock lock-upgrade lock-verify dist clean distclean
 
 help: ## list the targets
 	@echo 'qRobot: orders in, a checked picking plan out.'
@@ -78,8 +78,11 @@ tutorial: $(stamp)-dev $(stamp)-edge ## run the tutorial as a notebook: build/tu
 setup: $(stamp)-dev ## make .venv for development: solver, tests, checks, docs, provisioning
 	@echo "$(VENV) is ready for development"
 
-test: $(stamp)-dev ## run the tests (PYTEST_ARGS="-k name")
-	$(bin)/python -m pytest $(PYTEST_ARGS) $(TEST_ARGS)
+test: $(stamp)-dev ## run the tests but for the slow ones (PYTEST_ARGS="-k name")
+	$(bin)/python -m pytest -m 'not slow' $(PYTEST_ARGS) $(TEST_ARGS)
+
+test-slow: $(stamp)-dev ## run the slow tests: whole pages and playbooks, long searches
+	$(bin)/python -m pytest -m slow $(PYTEST_ARGS) $(TEST_ARGS)
 
 test-stacks: $(stamp)-dev $(stamp)-edge ## run the tests of the quantum stacks too: installs the profile edge (1.5 GB)
 	$(bin)/python -m pytest $(PYTEST_ARGS) $(stack-tests) $(STACK_ARGS)

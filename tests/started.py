@@ -146,7 +146,8 @@ def _stream(number: int, name: str) -> io.TextIOWrapper:
     binary = io.BufferedReader(raw) if name == "stdin" else io.BufferedWriter(raw)
     errors = "backslashreplace" if name == "stderr" else "strict"
     line = name == "stderr" or os.isatty(number)
-    return io.TextIOWrapper(binary, "utf-8", errors, line_buffering=line)
+    encoding = os.environ.get("PYTHONIOENCODING", "utf-8")
+    return io.TextIOWrapper(binary, encoding, errors, line_buffering=line)
 
 
 def _receive(connection: socket.socket) -> tuple[bytes, list[int]]:

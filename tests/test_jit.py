@@ -116,6 +116,7 @@ def ask(root: Path, script: str = ASK, **environment: str) -> list[str]:
     return done.stdout.split()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 @pytest.mark.skipif(shutil.which("setpriv") is None, reason="setpriv is not installed")
 def test_machine_code_that_came_along_is_used_by_those_who_cannot_write_there(
@@ -150,6 +151,7 @@ def test_machine_code_that_came_along_is_used_by_those_who_cannot_write_there(
     assert (known, hits) == ("False", "0")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 @pytest.mark.parametrize("changed", ["part", "constants"])
 def test_machine_code_is_not_that_of_an_older_part(tmp_path: Path, changed: str) -> None:
@@ -207,16 +209,28 @@ _jit.older = Path({str(tmp_path / "old/package")!r})
     assert ask(tmp_path / "new", taking)[1] == "0"
 
 
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a package and, in `cache`, its machine code."""
+    root = tmp_path_factory.mktemp("compiled")
+    (root / "package").mkdir()
+    (root / "package/kernels.py").write_text(KERNEL)
+    ask(root, NUMBA_CACHE_DIR=str(root / "cache"))
+    return root
+
+
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 @pytest.mark.parametrize("kind", ["nbc", "nbi"])
-@pytest.mark.parametrize("damage", ["empty", "half", "zeros", "other"])
-def test_damaged_machine_code_is_compiled_anew(tmp_path: Path, kind: str, damage: str) -> None:
+@pytest.mark.parametrize(
+    "damage",
+    ["half", *(pytest.param(one, marks=pytest.mark.slow) for one in ("empty", "zeros", "other"))],
+)
+def test_damaged_machine_code_is_compiled_anew(
+    compiled: Path, tmp_path: Path, kind: str, damage: str
+) -> None:
     """As after a loss of power, or a copy that was cut off."""
-    package = tmp_path / "package"
-    package.mkdir()
-    (package / "kernels.py").write_text(KERNEL)
+    shutil.copytree(compiled / "cache", tmp_path / "cache")
     place = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    ask(tmp_path, **place)
     (file,) = (tmp_path / "cache").rglob(f"*.{kind}")
     content = file.read_bytes()
     broken = {
@@ -226,8 +240,8 @@ def test_damaged_machine_code_is_compiled_anew(tmp_path: Path, kind: str, damage
         "other": b"no machine code\n",
     }
     file.write_bytes(broken[damage])
-    assert ask(tmp_path, **place)[1] == "0"
-    assert ask(tmp_path, **place)[1] == "1"
+    assert ask(compiled, **place)[1] == "0"
+    assert ask(compiled, **place)[1] == "1"
 
 
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")

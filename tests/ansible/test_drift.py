@@ -227,6 +227,7 @@ def test_the_page_stands_by_itself_and_escapes(drift: Program) -> None:
     assert 'name="viewport"' in page
 
 
+@pytest.mark.slow
 def test_the_playbook_names_who_did_not_answer(tmp_path: Path) -> None:
     """Three hosts, two of them folders of this machine, one that nobody answers for."""
     program("ssh")  # what does not reach the robot that does not answer

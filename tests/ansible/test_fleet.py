@@ -150,6 +150,7 @@ def test_a_fleet_that_is_healthy_and_answers(health: Any) -> None:
     assert "1 machine, 0 unhealthy" in page
 
 
+@pytest.mark.slow
 def test_robots_without_a_new_report_are_named(health: Any, tmp_path: Path) -> None:
     program("ssh")  # what does not reach the robot that does not answer
     (tmp_path / "fleet").mkdir()

@@ -106,6 +106,7 @@ def test_a_job_whose_processes_were_ended_is_noticed(run: Run) -> None:
     assert "run it again" in told["msg"]
 
 
+@pytest.mark.slow
 def test_a_task_that_takes_too_long_is_ended_on_the_robot(tmp_path: Path) -> None:
     """Also where its processes are not in the group that Ansible's wrapper ends."""
     own = {name: tmp_path / f"{name}.pid" for name in AWAY}

@@ -273,6 +273,7 @@ def components(paths: list[str]) -> list[str]:
                    for end in range(path.count("/") + 1)})  # fmt: skip
 
 
+@pytest.mark.slow
 def test_links_below_the_home_are_not_followed(opened: Path) -> None:
     keep = {
         "ansible.builtin.copy": {"content": "{{ done | to_json }}", "dest": "{{ told }}.{{ item }}"}

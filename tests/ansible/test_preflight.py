@@ -104,6 +104,7 @@ QUOTED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_arguments_of_ssh_may_be_quoted(tmp_path: Path) -> None:
     hosts, wanted = {}, {}
     for name in ("ansible_ssh_common_args", "ansible_ssh_extra_args"):

@@ -109,6 +109,7 @@ def test_it_passes_the_check_which_fails_where_a_part_of_the_recipe_is_left_out(
     assert "lldp" in done.stderr
 
 
+@pytest.mark.slow
 def test_it_passes_lint(playbooks: Path) -> None:
     done = run(playbooks, program("yamllint"), "--strict", "roles/lldp", "provision.yml")
     assert (done.returncode, done.stdout) == (0, "")

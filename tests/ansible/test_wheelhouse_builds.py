@@ -106,6 +106,7 @@ def sdist(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_source_archive_is_built_once_and_always_to_the_same_bytes(house: House) -> None:
     built_by("setuptools")
     source = sdist(house.index)
@@ -128,6 +129,7 @@ def test_a_source_archive_is_built_once_and_always_to_the_same_bytes(house: Hous
     assert name not in house.files
 
 
+@pytest.mark.slow
 def test_the_same_checkout_gives_the_same_wheel(house: House) -> None:
     built_by("hatchling")
     simple(house, "one")

@@ -79,6 +79,7 @@ def changed(results: list[Any]) -> list[bool]:
     return [r["changed"] for r in results]
 
 
+@pytest.mark.slow
 def test_from_nothing_to_a_release_and_back(play: Play, tmp_path: Path) -> None:
     play.pipelining = "1"
     files = [wheel(tmp_path / "wheels", "tool", version) for version in ("1.0", "2.0")]
@@ -134,6 +135,7 @@ def test_from_nothing_to_a_release_and_back(play: Play, tmp_path: Path) -> None:
     assert not play.root.exists()
 
 
+@pytest.mark.slow
 def test_only_what_is_missing_is_sent_in_chunks(play: Play, tmp_path: Path) -> None:
     source, dest = tmp_path / "wheels", play.root / "wheels"
     source.mkdir()

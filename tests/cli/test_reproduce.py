@@ -43,6 +43,7 @@ def test_help_has_examples_and_loads_nothing_heavy() -> None:
     assert not {name.split(".")[0] for name in modules.split()} & HEAVY
 
 
+@pytest.mark.slow
 def test_json_is_all_that_is_printed(tmp_path: Path) -> None:
     done = qrobot("reproduce", "table2", "--rows", "2", "--quick", "--reads", "20", "--json",
                   "--output", tmp_path)  # fmt: skip

@@ -243,14 +243,22 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def encoded(encoding: str, *words: str | Path) -> tuple[int, str, str]:
-    done = subprocess.run(
-        [*QROBOT, *words],
-        capture_output=True,
-        check=False,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": encoding},
-    )
-    assert b"Traceback" not in done.stderr
-    return done.returncode, done.stdout.decode(encoding), done.stderr.decode(encoding)
+    """Run a command: a Python is started for two of the encodings, for the others it is forked."""
+    setting = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": encoding}
+    with TemporaryFile() as out, TemporaryFile() as err, open(os.devnull) as nothing:
+        if encoding in {"ascii", "utf-16"}:
+            command = [*QROBOT, *map(str, words)]
+            code = subprocess.run(
+                command, stdout=out, stderr=err, check=False, env=setting
+            ).returncode
+        else:
+            streams = {"stdin": nothing.fileno(), "stdout": out.fileno(), "stderr": err.fileno()}
+            code = started.start(words, streams, environment=setting).wait()
+        out.seek(0)
+        err.seek(0)
+        said, told = out.read(), err.read()
+    assert b"Traceback" not in told
+    return code, said.decode(encoding), told.decode(encoding)
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)

@@ -13,6 +13,7 @@ from qrobot.health import choose, read_report
 from qrobot.health.notebooks import run_notebooks
 
 
+@pytest.mark.slow
 @executes
 def test_the_other_checks_and_every_report_are_still_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

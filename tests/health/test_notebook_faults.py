@@ -82,6 +82,7 @@ def plant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plant:
     return make
 
 
+@pytest.mark.slow
 @executes
 @pytest.mark.parametrize(("wrong", "told"), [("1.1", "1.1"), ("float('nan')", "nan")])
 def test_a_wrong_answer_fails_and_is_kept(
@@ -94,6 +95,7 @@ def test_a_wrong_answer_fails_and_is_kept(
     assert any("WRONG" in o.data["text/plain"] for o in outputs(tmp_path, "planted-wrong")[1:2])
 
 
+@pytest.mark.slow
 @executes
 @pytest.mark.parametrize(
     ("changes", "told"),
@@ -116,6 +118,7 @@ def test_a_notebook_without_an_answer_is_an_error(
     assert (tmp_path / "planted-bad.ipynb").is_file()
 
 
+@pytest.mark.slow
 @executes
 @pytest.mark.parametrize(
     ("crash", "told"),

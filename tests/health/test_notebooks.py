@@ -17,11 +17,6 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "healthchecks"
 CHECKS = all_checks()
 
-SLOW = {
-    "aer", "braket-ahs", "pennylane-braket", "pyscf", "qiskit-finance", "qiskit-nature",
-    "tensorflow",
-}  # fmt: skip
-
 NOISY = {"litert", "tensorflow"}
 """Their libraries write to the standard error stream when they start."""
 
@@ -70,10 +65,9 @@ def test_a_reader_finds_every_notebook_that_the_readme_names() -> None:
 # --- the notebooks --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @executes
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] if n in SLOW else []) for n in CHECKS]
-)
+@pytest.mark.parametrize("name", CHECKS)
 def test_a_notebook_runs_and_passes(name: str, tmp_path: Path) -> None:
     check = CHECKS[name]
     absent = set(check.distributions) - set(check.versions())
@@ -107,6 +101,7 @@ setattr(owner, last, spoil(getattr(owner, last)))
 """
 
 
+@pytest.mark.slow
 @executes
 @pytest.mark.parametrize("name", ["numpy", "dimod", "autograd", "qrobot"])
 def test_a_spoiled_stack_fails_its_notebook(

@@ -70,6 +70,7 @@ def verdict(text: str, name: str) -> str:
     return next(line for line in text.splitlines() if line.startswith(f"{name} "))
 
 
+@pytest.mark.slow
 def test_a_comparison_notices_what_differs(tmp_path: Path) -> None:
     from qrobot.models import build_model
     from qrobot.problem.formats import read

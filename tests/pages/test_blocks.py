@@ -33,6 +33,7 @@ from qrobot.cli.main import cli
 pytestmark = pytest.mark.skipif(not PAGES, reason="the pages are not in a wheel")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks_of(p)], ids=name_of)
 def test_the_blocks_of_a_page(page: Path, tmp_path: Path, subtests: pytest.Subtests) -> None:
     reader = Reader(tmp_path)

@@ -81,6 +81,7 @@ def outside(address: str) -> bool:
     return bool(parts.netloc) or parts.scheme not in {"", "data"}
 
 
+@pytest.mark.slow
 def test_nothing_is_fetched_from_elsewhere(site: Path, pages: dict[Path, Page]) -> None:
     for path, page in pages.items():
         assert page.fetched, path
@@ -98,6 +99,7 @@ def test_an_address_elsewhere_is_found(text: str, tmp_path: Path) -> None:
     assert [address for address in Page(tmp_path / "x.html").fetched if outside(address)]
 
 
+@pytest.mark.slow
 def test_links_lead_somewhere(site: Path, pages: dict[Path, Page]) -> None:
     broken = list(broken_links(site, pages))
     assert not broken, broken[:10]
@@ -121,6 +123,7 @@ def broken_links(site: Path, pages: dict[Path, Page]) -> Iterator[str]:
                 yield f"{path.relative_to(site)}: {link}"
 
 
+@pytest.mark.slow
 def test_the_reference_has_every_public_name(site: Path, pages: dict[Path, Page]) -> None:
     anchors = {
         anchor for path, page in pages.items() if "api" in path.parts for anchor in page.anchors
@@ -129,11 +132,13 @@ def test_the_reference_has_every_public_name(site: Path, pages: dict[Path, Page]
         assert f"qrobot.{name}" in anchors, name
 
 
+@pytest.mark.slow
 def test_every_check_has_its_page(site: Path) -> None:
     for name in all_checks():
         assert (site / f"notebooks/check_{name.replace('-', '_')}/index.html").exists(), name
 
 
+@pytest.mark.slow
 def test_measured_parts_have_a_chart(site: Path) -> None:
     page = (site / "benchmarks/index.html").read_text()
     charts = set(re.findall(r"chart-([a-z]+)-title", page))
@@ -164,6 +169,7 @@ def chromium() -> Iterator[Browser]:
         yield found
 
 
+@pytest.mark.slow
 @needs_chromium
 @pytest.mark.parametrize("width", [1280, 390])
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])

@@ -57,6 +57,7 @@ class Zeros(PickingSampler):
         return dimod.SampleSet.from_samples_bqm((rows, list(bqm.variables)), bqm)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["neal", "tabu", "descent"])
 def test_a_sampler_batches_more_orders_than_sequences_allow(
     backend: str, monkeypatch: pytest.MonkeyPatch

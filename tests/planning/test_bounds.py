@@ -188,13 +188,14 @@ def test_large_waves_are_bounded_by_their_ways_out_and_back(
 
 
 PLANNERS = ["auto", "batching", "savings", "seed", "fcfs", "pyvrp"]
-LAID = ["aisles", "floor", "table"]
+ELSEWHERE = itertools.product(PLANNERS, ["floor", "table"])
 
 
 @pytest.mark.parametrize(
     ("backend", "laid"),
     # Sequences of so many stops are too many variables for a sampler: it batches in aisles.
-    [*itertools.product(PLANNERS, LAID), ("neal", "aisles")],
+    [(backend, "aisles") for backend in [*PLANNERS, "neal"]]
+    + [pytest.param(*case, marks=pytest.mark.slow) for case in ELSEWHERE],
 )
 def test_every_backend_tells_at_least_the_ways_out_and_back(backend: str, laid: str) -> None:
     """Whatever searches, and however little: the ways out and back are in its result."""

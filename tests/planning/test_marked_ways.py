@@ -85,6 +85,7 @@ def test_the_note_names_the_marked_way() -> None:
     assert not any("whole plan" in note for note in plain)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["pyvrp", "batching"])
 def test_a_place_far_off_does_not_spoil_the_rest_and_is_named(backend: str) -> None:
     """With room for one item a trip, the rest is planned as if the far item were not there."""

@@ -142,7 +142,12 @@ def test_every_planner_measures_by_the_policy(backend: str) -> None:
 @COMPILED
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the published files are not here")
 @pytest.mark.parametrize(
-    "name", ["Largest_Gap__5l-30-30-0", "S-Shape__25s-30-30-8", "S-Shape__26s-30-45-4"]
+    "name",
+    [
+        "S-Shape__25s-30-30-8",
+        pytest.param("S-Shape__26s-30-45-4", marks=pytest.mark.slow),
+        pytest.param("Largest_Gap__5l-30-30-0", marks=pytest.mark.slow),
+    ],
 )
 def test_proven_values_are_the_published_ones(name: str) -> None:
     """Wahlen and Gschwind (2023), files of Henn."""

@@ -39,6 +39,7 @@ qrobot.read("x.vrp", capacity=2.5, robots=3, rounding="none")
 WRONG = "from qrobot.problem import Item, Node\nItem('a', None, Node(0))\n"
 
 
+@pytest.mark.slow
 def test_strict_type_checking(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     (tmp_path / "snippet.py").write_text(SNIPPET)

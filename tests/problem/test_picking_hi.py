@@ -280,6 +280,7 @@ BATCHES = [entry for entry in INDEX if entry["format"] == "HI" and "capacity" in
 shared = pytest.mark.skipif(not DATA.exists(), reason="no files of pickers in ../shared/data")
 
 
+@pytest.mark.slow
 @shared
 def test_the_shared_files_are_read_as_their_index_says() -> None:
     assert len(BATCHES) > 100

@@ -198,6 +198,7 @@ def test_several_trips_of_a_robot_are_told_apart(tmp_path: Path) -> None:
     assert "stroke-dasharray" in second.get("style", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("house", ["aisles", "floor"])
 def test_a_thousand_items_are_drawn(house: str, tmp_path: Path) -> None:
     layout = AisleWarehouse(aisles=20, slots=30, blocks=3, depot_aisle=9, depot_distance=2.0)

@@ -78,7 +78,9 @@ def written(figure: Any) -> list[tuple[str, Any]]:
     ]
 
 
-@pytest.mark.parametrize("trips", [1, 5, 12, 13, 23, 60])
+@pytest.mark.parametrize(
+    "trips", [1, 5, 12, 13, *(pytest.param(many, marks=pytest.mark.slow) for many in (23, 60))]
+)
 @pytest.mark.parametrize("house", HOUSES)
 def test_no_text_covers_another_or_leaves_the_sheet(house: str, trips: int) -> None:
     both = [(False, 3), (True, 1)]

@@ -140,6 +140,7 @@ def test_a_bar_a_trip_as_long_as_the_trip(tmp_path: Path) -> None:
     assert all(widths[n] == pytest.approx(scale * seconds, rel=1e-4) for n, seconds in long.items())
 
 
+@pytest.mark.slow
 def test_many_robots_and_odd_names_are_drawn(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     count = 400

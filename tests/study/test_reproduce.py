@@ -40,6 +40,7 @@ def quick(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any
     return folder, reproduce([*TARGETS], folder, settings)
 
 
+@pytest.mark.slow
 def test_rows_are_complete(quick: tuple[Path, dict[str, Any]]) -> None:
     _, report = quick
     for table in (1, 2, 3):

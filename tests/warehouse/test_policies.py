@@ -242,6 +242,7 @@ def test_nothing_to_pick_and_nothing_to_reach() -> None:
         assert (way.sequence, way.legs) == ((), ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", SMALL)
 def test_best_batches_under_each_policy_are_the_published_ones(file: str) -> None:
     """All batches of a file, priced by the policy, and the best partition of the orders."""
