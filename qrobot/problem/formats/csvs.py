@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from qrobot.problem import Instance, Item, Order, Place
 from qrobot.problem.formats.cells import Line
 from qrobot.problem.formats.columns import PLACES, Kind, Wishes, lines_of
 from qrobot.problem.formats.masters import (
+    ARTICLES,
     Bin,
     Masters,
     article_column,
@@ -34,6 +35,7 @@ from qrobot.problem.formats.masters import (
 from qrobot.problem.formats.native import Layout, read_layout
 from qrobot.problem.formats.registry import ReadOptions, builtin, checked
 from qrobot.problem.formats.sheets import Sheet, read_sheet
+from qrobot.problem.formats.takes import Take, takes_of
 from qrobot.problem.validity import some
 
 __all__ = ["FORMAT", "read_orders"]
@@ -69,7 +71,7 @@ def read_orders(path: Path, options: ReadOptions) -> Instance:
     In CSV comma, semicolon or tab separate; with the latter two a decimal comma is understood. A
     byte order mark, a line ``sep=;``, any line ends and empty columns are fine.
     """
-    known = ("order", "item", "article", *_OTHERS)
+    known = tuple(dict.fromkeys(("order", "item", "article", *_OTHERS, *ARTICLES.known)))
     wishes = Wishes.of(options.columns, options.ignore_columns, known)
     sheet = read_sheet(path, "orders", options.sheet)
     locations, missing = master_sheet(path, options.locations, "locations")
@@ -81,13 +83,14 @@ def read_orders(path: Path, options: ReadOptions) -> Instance:
     plan = _layout_of(path, options.layout)
     bins = None if locations is None else bins_of(locations, wishes, plan.warehouse)
     masters = Masters(bins, goods, missing if locations is None else locations.source)
-    found = [masters.bin(line) for line in lines]
+    takes, stock = takes_of(lines, masters)
+    scattered = {one.article for one in stock}
     items: list[Item] = []
     orders: dict[str, list[str]] = {}
-    for line, id_, one in zip(lines, _ids(lines, found), found, strict=True):
-        items.append(_item(line, id_, one, masters))
-        orders.setdefault(line.text("order"), []).append(id_)
-    remarks = [*_remarks(lines, items, sheets), *_passed(passed)]
+    for take, id_ in zip(takes, _ids(takes), strict=True):
+        items.append(_item(take, id_, masters, scattered))
+        orders.setdefault(take.line.text("order"), []).append(id_)
+    remarks = [*_remarks(takes, items, scattered), *_hidden(sheets), *_passed(passed)]
 
     def make() -> Instance:
         return Instance(
@@ -96,55 +99,58 @@ def read_orders(path: Path, options: ReadOptions) -> Instance:
             orders=tuple(Order(id_, tuple(names)) for id_, names in orders.items()),
             robots=plan.robots,
             times=plan.times,
+            stock=stock,
             name=path.stem,
             comment=plan.comment,
             remarks=tuple(remarks),
             pool=options.pool,
         )
 
-    return checked(make, lambda field: _where(lines, field))
+    return checked(make, lambda field: _where(takes, field))
 
 
-def _kind(goods: Mapping[str, Line] | None) -> Kind:
+def _kind(goods: Mapping[str, Sequence[Line]] | None) -> Kind:
     """Return which columns orders must have: not those that the article master has."""
-    there = next(iter((goods or {}).values()), None)
+    there = next((lines[0] for lines in (goods or {}).values()), None)
     weight = () if there is not None and there.has("weight") else (("weight",),)
     places = () if there is not None and there.has("place") else _LABELS
     return Kind((("order",), ("item", "article"), *weight), _OTHERS, places)
 
 
-def _item(line: Line, id_: str, found: Bin, masters: Masters) -> Item:
-    pieces = line.whole("quantity", least=1) if line.has("quantity") else 1
+def _item(take: Take, id_: str, masters: Masters, scattered: Collection[str]) -> Item:
+    line, pieces, article = take.line, take.pieces, name_of(take.line)
     weight = masters.quantity(line, "weight")
     if weight is None:
         raise line.error(
             article_column(line),
-            f"nothing says what {name_of(line)!r:.60} weighs",
+            f"nothing says what {article!r:.60} weighs",
             "add it to the article master",
         )
     return Item(
         id_,
         weight * pieces,
-        found.place,
+        take.bin.place,
         float((masters.quantity(line, "pick_seconds") or 0) * pieces),
         pieces,
-        name_of(line) if name_of(line) != id_ else "",
-        level=found.level,
-        label=found.label,
+        article if article != id_ or article in scattered else "",
+        level=take.bin.level,
+        label=take.bin.label,
         volume=(masters.quantity(line, "volume") or 0) * pieces,
         category=masters.text(line, "category"),
     )
 
 
-def _remarks(lines: Sequence[Line], items: Sequence[Item], sheets: Iterable[Sheet]) -> list[str]:
-    """Return what whoever made the files may not have meant."""
-    if not lines:
+def _remarks(takes: Sequence[Take], items: Sequence[Item], scattered: Collection[str]) -> list[str]:
+    """Return what whoever made the orders may not have meant."""
+    if not takes:
         return ["the file has a header but no orders"]
     weights: defaultdict[str, set[Fraction]] = defaultdict(set)
     places: defaultdict[str, set[tuple[Place, str]]] = defaultdict(set)
-    for line, item in zip(lines, items, strict=True):
-        weights[name_of(line)].add(item.weight / item.quantity)
-        places[name_of(line)].add((item.place, item.label))
+    for take, item in zip(takes, items, strict=True):
+        name = name_of(take.line)
+        weights[name].add(item.weight / item.quantity)
+        if name not in scattered:
+            places[name].add((item.place, item.label))
     found = []
     for what, several, each in (
         ("weights", weights, "each line counts its own"),
@@ -153,25 +159,28 @@ def _remarks(lines: Sequence[Line], items: Sequence[Item], sheets: Iterable[Shee
         if names := sorted(name for name, values in several.items() if len(values) > 1):
             verb = "article has" if len(names) == 1 else "articles have"
             found.append(f"{len(names)} {verb} several {what} ({some(names)}): {each}")
-    found += [
+    return found
+
+
+def _hidden(sheets: Iterable[Sheet]) -> list[str]:
+    return [
         f"{count(sheet.hidden, 'hidden row')} of {sheet.source or 'the sheet'} "
         f"{'was' if sheet.hidden == 1 else 'were'} read like the others"
         for sheet in sheets
         if sheet.hidden
     ]
-    return found
 
 
 def _passed(names: Sequence[str]) -> list[str]:
     return [f"{count(len(names), 'column')} ignored: {some(names)}"] if names else []
 
 
-def _where(lines: Sequence[Line], field: str) -> str:
+def _where(takes: Sequence[Take], field: str) -> str:
     """Return line and column of what the domain calls ``items[3].at.slot``."""
     found = re.match(r"items\[(\d+)\]\.(?:at\.)?(\w+)", field)
     if found is None:
         return field
-    line, column = lines[int(found[1])], found[2]
+    line, column = takes[int(found[1])].line, found[2]
     if column == "id":
         column = article_column(line)
     elif not line.has(column):  # the place as a whole: its first column
@@ -179,22 +188,23 @@ def _where(lines: Sequence[Line], field: str) -> str:
     return line.where(column)
 
 
-def _ids(lines: Sequence[Line], found: Sequence[Bin]) -> list[str]:
+def _ids(takes: Sequence[Take]) -> list[str]:
     """Return an id for each line: the article's name, with what tells its pieces apart.
 
     One article may be in several orders: then the order's name stands before it. One order
     may take it from several places: then they are numbered. So are the lines of an export that has
     a column ``article`` and none ``item``, even in one place; otherwise that is a mistake.
     """
+    lines = [take.line for take in takes]
     named = lines[0].has("item") if lines else True
     names = [line.text("item" if named else "article") for line in lines]
     pairs = [(line.text("order"), name) for line, name in zip(lines, names, strict=True)]
     spread = Counter(name for _, name in dict.fromkeys(pairs))
-    bins: defaultdict[tuple[str, str], dict[Bin | int, int]] = defaultdict(dict)
+    bins: defaultdict[tuple[str, str], dict[tuple[Bin, int], int]] = defaultdict(dict)
     numbers: list[int] = []
-    for line, pair, place in zip(lines, pairs, found, strict=True):
+    for line, pair, take in zip(lines, pairs, takes, strict=True):
         known = bins[pair]
-        key = place if named else line.number
+        key = take.bin, 0 if named else line.number
         if key in known:
             raise line.error(
                 "item",

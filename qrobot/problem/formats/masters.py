@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -18,12 +18,26 @@ from qrobot.problem.formats.cells import Line
 from qrobot.problem.formats.columns import PLACES, Kind, Wishes, lines_of
 from qrobot.problem.formats.sheets import WORKBOOK, Sheet, read_sheet, sheet_called
 
-__all__ = ["Bin", "Masters", "article_column", "articles_of", "bins_of", "master_sheet", "name_of"]
+__all__ = [
+    "ARTICLES",
+    "Bin",
+    "Masters",
+    "article_column",
+    "articles_of",
+    "bins_of",
+    "has_place",
+    "master_sheet",
+    "name_of",
+]
 
 LOCATIONS = Kind(
     (("place",),), ("aisle", "block", "slot", "side", "level", "x", "y", "node", "pose"), PLACES
 )
-ARTICLES = Kind((("article", "item"),), ("weight", "volume", "category", "pick_seconds", "place"))
+ARTICLES = Kind(
+    (("article", "item"),), ("weight", "volume", "category", "pick_seconds", "place", "stock")
+)
+OF_BINS = ("place", "stock")
+"""Columns in which the lines of one article differ, where it lies in several places."""
 
 T = TypeVar("T")
 
@@ -45,9 +59,28 @@ class Masters:
     """
 
     bins: Mapping[str, Bin] | None
-    articles: Mapping[str, Line] | None
+    articles: Mapping[str, Sequence[Line]] | None
     locations: str = ""
     """Name of the location table, or what it should be called."""
+
+    def stock(self, article: str) -> dict[Bin, int]:
+        """Return the pieces of an article in each of its bins; no bin where that is not said."""
+        found: dict[Bin, int] = {}
+        for line in (self.articles or {}).get(article, ()):
+            if line.fills("stock"):
+                place = self.bin(line)
+                if any(place.place == other.place for other in found):
+                    raise line.error(
+                        "place",
+                        f"article {article!r} is in {place.place} twice",
+                        "give one quantity, and one label",
+                    )
+                found[place] = line.whole("stock")
+        return found
+
+    def _article(self, line: Line) -> Line | None:
+        """Return the first line of a line's article."""
+        return next(iter((self.articles or {}).get(name_of(line), ())), None)
 
     def quantity(self, line: Line, column: str) -> Fraction | None:
         """Return a number from zero of a line or its article; ``None``: neither says it."""
@@ -61,7 +94,7 @@ class Masters:
 
     def _either(self, line: Line, column: str, value: Callable[[Line], T]) -> T | None:
         """Return what a line or its article says, which must not contradict each other."""
-        there = (self.articles or {}).get(name_of(line))
+        there = self._article(line)
         own = value(line) if line.fills(column) else None
         other = value(there) if there is not None and there.fills(column) else None
         if there is not None and own is not None and other not in (None, own):
@@ -75,8 +108,8 @@ class Masters:
 
     def bin(self, line: Line) -> Bin:
         """Return where a line is collected: the bin of the line itself, or else of its article."""
-        there = (self.articles or {}).get(name_of(line))
-        if not _has_numbers(line) and not line.fills("place"):
+        there = self._article(line)
+        if not has_place(line):
             if self.articles is None:
                 line.text("place")  # which tells that it is empty
             if there is None or not there.fills("place"):
@@ -150,21 +183,33 @@ def bins_of(sheet: Sheet, wishes: Wishes, warehouse: Warehouse) -> dict[str, Bin
     return found
 
 
-def articles_of(sheet: Sheet, wishes: Wishes) -> dict[str, Line]:
-    """Return the lines of an article master by the names of the articles."""
-    found: dict[str, Line] = {}
+def articles_of(sheet: Sheet, wishes: Wishes) -> dict[str, list[Line]]:
+    """Return the lines of an article master by the names of the articles.
+
+    An article has several where it lies in several places, with its stock in each.
+    """
+    found: dict[str, list[Line]] = {}
     for line in lines_of(sheet, ARTICLES, wishes)[0]:
         name = name_of(line)
-        if (first := found.get(name)) is not None:
-            unlike = [c for c in line.cells if line.cells[c] != first.cells[c]]
-            raise line.error(
-                unlike[0] if unlike else article_column(line),
-                f"article {name!r} is in line {first.number} too"
-                + (f", with {first.cells[unlike[0]] or 'nothing'!r} there" if unlike else ""),
-                "keep one of the lines",
-            )
-        found[name] = line
+        lines = found.setdefault(name, [])
+        if lines:
+            _check_again(line, lines[0])
+        lines.append(line)
     return found
+
+
+def _check_again(line: Line, first: Line) -> None:
+    """Refuse another line of an article that says something else, or nothing of another place."""
+    several = line.fills("stock") and first.fills("stock")
+    own = OF_BINS if several else ()
+    unlike = [c for c in line.cells if c not in own and line.cells[c] != first.cells[c]]
+    if unlike or not several:
+        raise line.error(
+            unlike[0] if unlike else article_column(line),
+            f"article {name_of(line)!r} is in line {first.number} too"
+            + (f", with {first.cells[unlike[0]] or 'nothing'!r} there" if unlike else ""),
+            "keep one of the lines, or say in a column stock how many pieces each place has",
+        )
 
 
 def article_column(line: Line) -> str:
@@ -191,6 +236,11 @@ def _from_zero(line: Line, column: str) -> Fraction:
 def level_of(line: Line) -> int:
     """Return the shelf of a line's bin."""
     return line.whole("level") if line.fills("level") else 0
+
+
+def has_place(line: Line) -> bool:
+    """Return whether a line says itself where it is collected."""
+    return _has_numbers(line) or line.fills("place")
 
 
 def _has_numbers(line: Line) -> bool:
