@@ -14,12 +14,23 @@ __all__ = ["command"]
 @click.command("schedule", cls=ReadingCommand)
 @click.argument("plan", type=FILE)
 @click.argument("instance", type=FILE)
+@click.option(
+    "--per-aisle",
+    type=int,
+    metavar="N",
+    help="At most N robots at a time in each sub-aisle; others wait at its crossing.",
+)
 @written("--output", "-o", help="Write every stop to a file, .csv or .json.")
 @written("--picture", "-p", help="Draw a bar a trip, a row a robot: .svg or .png.")
 @reading_options_of_plan
 @click.option("--json", "as_json", is_flag=True, help="Print the schedule as JSON, nothing else.")
 def command(
-    plan: str, question: Question, output: str | None, picture: str | None, as_json: bool
+    plan: str,
+    question: Question,
+    per_aisle: int | None,
+    output: str | None,
+    picture: str | None,
+    as_json: bool,
 ) -> None:
     """Print when each robot leaves and is back, trip by trip.
 
@@ -32,6 +43,7 @@ def command(
     Examples:
       qrobot schedule plan.json examples/small-warehouse.json
       qrobot schedule plan.json examples/small-warehouse.json -p bars.svg
+      qrobot schedule plan.json examples/small-warehouse.json --per-aisle 1
       qrobot schedule plan.json orders.csv --layout layout.json -o stops.csv
       qrobot schedule plan.json examples/small-warehouse.json --json
     """
@@ -50,7 +62,7 @@ def command(
     check_outputs(files, [plan, *question.files])
     if picture is not None:
         check_picture_path(picture)
-    found = schedule(read_plan(plan), question.read())
+    found = schedule(read_plan(plan), question.read(), per_aisle=per_aisle)
     if output is not None:
         write_text_atomic(output, found.to_csv() if form == "csv" else found.to_json())
     for note in draw_schedule(found, picture) if picture is not None else ():

@@ -6,7 +6,8 @@ from qrobot.report.geojson import geojson, geojson_text
 from qrobot.report.picklist import PickLists, pick_lists
 from qrobot.report.picklist_page import picklist_page
 from qrobot.report.picture import check_picture_path, plot
-from qrobot.report.schedules import Schedule, schedule
+from qrobot.report.schedules import Schedule
+from qrobot.report.scheduling import schedule
 from qrobot.report.tables import table
 
 __all__ = [

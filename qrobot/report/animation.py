@@ -16,7 +16,8 @@ from qrobot.report.floorplan import Way, floor_plan
 from qrobot.report.lanes import XY
 from qrobot.report.picklist import exact_text, location
 from qrobot.report.scene import Scene
-from qrobot.report.schedules import TimedTrip, schedule_of
+from qrobot.report.schedules import TimedTrip
+from qrobot.report.scheduling import schedule_of
 
 __all__ = ["animation_page"]
 

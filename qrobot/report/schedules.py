@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from qrobot._csv import csv_text
-from qrobot._files import StrPath
 from qrobot._json import json_text
 from qrobot._numbers import number
 from qrobot._text import columns, printable
-from qrobot.plan import Plan
-from qrobot.problem import Instance
 from qrobot.report.picklist import location
-from qrobot.report.scene import Journey, Scene, checked_scene
-from qrobot.report.timeline import Visit, timeline
-
-if TYPE_CHECKING:
-    from qrobot.planning import Result
+from qrobot.report.reservations import Inside
+from qrobot.report.scene import Journey, Scene
+from qrobot.report.timeline import Visit
 
 __all__ = [
     "SCHEDULE_SCHEMA",
@@ -26,8 +21,6 @@ __all__ = [
     "RobotSchedule",
     "Schedule",
     "TimedTrip",
-    "schedule",
-    "schedule_of",
 ]
 
 SCHEDULE_SCHEMA = "qrobot.schedule/1"
@@ -57,12 +50,18 @@ class TimedTrip:
         When the robot leaves the depot.
     visits
         Its stops and its end, in seconds since its set-up began.
+    waiting
+        Seconds that it waits for other robots.
+    inside
+        Its stays in sub-aisles, where these are reserved.
     """
 
     journey: Journey
     begins: float
     leaves: float
     visits: tuple[Visit, ...]
+    waiting: float = 0.0
+    inside: tuple[Inside, ...] = ()
 
     @property
     def ends(self) -> float:
@@ -77,7 +76,7 @@ class TimedTrip:
     @property
     def driving(self) -> float:
         """Seconds that the robot drives."""
-        return self.ends - self.leaves - self.collecting
+        return self.ends - self.leaves - self.collecting - self.waiting
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +112,7 @@ class RobotSchedule:
     @property
     def working(self) -> float:
         """Seconds of all its trips with their set-ups, without waiting."""
-        return sum(trip.ends - trip.begins for trip in self.trips)
+        return sum(trip.ends - trip.begins - trip.waiting for trip in self.trips)
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,10 +149,16 @@ class Schedule:
         The plan in its warehouse.
     robots
         In the sequence of the instance.
+    per_aisle
+        How many robots may be in a sub-aisle at once; ``None``: any number.
+    undisturbed
+        When the last robot would be back if none waited for another, seconds.
     """
 
     scene: Scene
     robots: tuple[RobotSchedule, ...]
+    per_aisle: int | None = None
+    undisturbed: float = 0.0
 
     @property
     def ends(self) -> float:
@@ -180,6 +185,8 @@ class Schedule:
             "schema": SCHEDULE_SCHEMA,
             "instance": self.scene.instance.name,
             "ends": self.ends,
+            "per_aisle": self.per_aisle,
+            "undisturbed": self.undisturbed,
             "robots": [
                 {
                     "robot": own.robot,
@@ -206,6 +213,7 @@ class Schedule:
             "trip": trip.journey.number,
             "begins": trip.begins,
             "leaves": trip.leaves,
+            "waiting": trip.waiting,
             "ends": trip.ends,
             "distance": trip.journey.trip.distance,
             "stops": [
@@ -276,7 +284,20 @@ class Schedule:
         idle = f"\nwithout a trip: {some}" if home else ""
         back = f"all robots are back after {number(self.ends)} s, {printable(last.robot)} last"
         total = sum(own.working for own in self.robots)
-        return f"{table}{idle}\n{back}; together they work {number(total)} s\n{self._late()}"
+        rest = f"together they work {number(total)} s\n"
+        return f"{table}{idle}\n{back}; {rest}{self._waits()}{self._late()}"
+
+    def _waits(self) -> str:
+        """Return a line about waiting, where sub-aisles are reserved."""
+        if self.per_aisle is None:
+            return ""
+        waited = sum(trip.waiting for own in self.robots for trip in own.trips)
+        added = self.ends - self.undisturbed
+        share = f" ({added / self.undisturbed:.1%})" if self.undisturbed else ""
+        return (
+            f"at most {self.per_aisle} at a time in each sub-aisle: robots wait "
+            f"{number(waited)} s, the last is back {number(added)} s later{share}\n"
+        )
 
     def _late(self) -> str:
         """Return a line about due times, where there are any."""
@@ -291,46 +312,3 @@ class Schedule:
         )
         rest = ", .." if len(late) > MOST_NAMES else ""
         return f"{len(late)} of {len(due)} orders with a due time are late: {some}{rest}\n"
-
-
-def schedule(
-    answer: Result | Plan | StrPath, instance: Instance | StrPath | None = None
-) -> Schedule:
-    """Return when each robot is where.
-
-    Parameters
-    ----------
-    answer
-        A result, or a plan (or the path of its file) together with its instance.
-    instance
-        The question; needed for a plan alone.
-
-    Raises
-    ------
-    InputError
-        When the plan is not right for the instance, as `qrobot.check` says.
-
-    Examples
-    --------
-    >>> import qrobot
-    >>> found = schedule(qrobot.solve("examples/paper-7-items.json"))
-    >>> [(own.robot, len(own.trips)) for own in found.robots]
-    [('R1', 1), ('R2', 1), ('R3', 1)]
-    >>> found.ends == max(trip.ends for own in found.robots for trip in own.trips)
-    True
-    """
-    return schedule_of(checked_scene(answer, instance))
-
-
-def schedule_of(scene: Scene) -> Schedule:
-    """Return when each robot of a plan is where, its trips in the sequence of the plan."""
-    times = scene.instance.times
-    release = {order.id: order.release for order in scene.instance.orders}
-    trips: dict[str, list[TimedTrip]] = {robot.id: [] for robot in scene.instance.robots}
-    for journey in scene.journeys:
-        before = trips[journey.robot.id]
-        released = max((release[order] for order in journey.trip.orders), default=0.0)
-        begins = max(before[-1].ends if before else journey.robot.available, released)
-        visits = tuple(timeline(journey, times))
-        before.append(TimedTrip(journey, begins, begins + times.per_trip, visits))
-    return Schedule(scene, tuple(RobotSchedule(name, tuple(own)) for name, own in trips.items()))
