@@ -58,7 +58,11 @@ BUILTIN = {
 
 def is_beside(name: str) -> bool:
     """Return whether a file of that name belongs to the orders beside it, and has none itself."""
-    layouts = ("layout.json", *(f"{kind}{end}" for kind in MASTERS for end in MASTER_SUFFIXES))
+    layouts = (
+        "layout.json",
+        "poses.csv",
+        *(f"{kind}{end}" for kind in MASTERS for end in MASTER_SUFFIXES),
+    )
     return name in layouts or name.endswith(tuple(f".{layout}" for layout in layouts))
 
 

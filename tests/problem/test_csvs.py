@@ -222,3 +222,40 @@ def test_no_damage_gets_a_traceback(at: int, junk: str, cut: int) -> None:
             said = str(error)
     assert "; " in said
     assert "\n" not in said
+
+
+TIMES = "order,item,weight,aisle,slot,due,priority,deadline,release\n"
+
+
+def test_lines_say_when_their_order_is_wanted(tmp_path: Path) -> None:
+    rows = (
+        "A,x,1,0,0,90.5,,,5\nA,y,1,0,1,,2,,\nB,z,1,0,2,,,400,\nC,w,1,1,1,,,,\nA,v,1,0,3,90.50,,,\n"
+    )
+    one = read(tmp_path, TIMES + rows)
+    assert one.orders == (
+        Order("A", ("x", "y", "v"), release=5, due=90.5, priority=2),
+        Order("B", ("z",), deadline=400),
+        Order("C", ("w",)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        (
+            "A,x,1,0,0,90,,,\nA,y,1,0,1,91,,,\n",
+            "line 3, column due: 91 is not the 90 of line 2, wh",
+        ),
+        (
+            "A,x,1,0,0,-1,,,\n",
+            "line 2, column due: due -1 of order 'A' is not 0 to 1e+09; give sec",
+        ),
+        (
+            "A,y,1,0,1,,,,\nA,x,1,0,0,9,,,10\n",
+            "line 3, column due: due 9 of order 'A' is before its",
+        ),
+        ("A,x,1,0,0,soon,,,\n", "line 2, column due: soon is not a finite number"),
+    ],
+)
+def test_times_that_nobody_can_keep(tmp_path: Path, rows: str, said: str) -> None:
+    assert sentence(tmp_path, TIMES + rows).startswith(said)

@@ -46,6 +46,9 @@ _LABELS = (
 )
 """Places of orders: numbers, which may have a label, or a label alone."""
 
+_TIMES = ("release", "due", "deadline", "priority")
+"""What lines may say of their order."""
+
 _OTHERS = (
     "weight",
     "quantity",
@@ -62,6 +65,7 @@ _OTHERS = (
     "level",
     "volume",
     "category",
+    *_TIMES,
 )
 
 
@@ -86,17 +90,17 @@ def read_orders(path: Path, options: ReadOptions) -> Instance:
     takes, stock = takes_of(lines, masters)
     scattered = {one.article for one in stock}
     items: list[Item] = []
-    orders: dict[str, list[str]] = {}
+    orders: dict[str, list[tuple[str, Line]]] = {}
     for take, id_ in zip(takes, _ids(takes), strict=True):
         items.append(_item(take, id_, masters, scattered))
-        orders.setdefault(take.line.text("order"), []).append(id_)
+        orders.setdefault(take.line.text("order"), []).append((id_, take.line))
     remarks = [*_remarks(takes, items, scattered), *_hidden(sheets), *_passed(passed)]
 
     def make() -> Instance:
         return Instance(
             warehouse=plan.warehouse,
             items=tuple(items),
-            orders=tuple(Order(id_, tuple(names)) for id_, names in orders.items()),
+            orders=tuple(_order(id_, own) for id_, own in orders.items()),
             robots=plan.robots,
             times=plan.times,
             stock=stock,
@@ -106,7 +110,7 @@ def read_orders(path: Path, options: ReadOptions) -> Instance:
             pool=options.pool,
         )
 
-    return checked(make, lambda field: _where(takes, field))
+    return checked(make, lambda field: _where(takes, list(orders.values()), field))
 
 
 def _kind(goods: Mapping[str, Sequence[Line]] | None) -> Kind:
@@ -138,6 +142,23 @@ def _item(take: Take, id_: str, masters: Masters, scattered: Collection[str]) ->
         volume=(masters.quantity(line, "volume") or 0) * pieces,
         category=masters.text(line, "category"),
     )
+
+
+def _order(id_: str, own: Sequence[tuple[str, Line]]) -> Order:
+    """Return an order; what one of its lines says of its time holds for all."""
+    wishes: dict[str, float] = {}
+    for column in _TIMES:
+        said = [line for _, line in own if line.fills(column)]
+        for line in said:
+            value = float(line.number_of(column))
+            if wishes.setdefault(column, value) != value:
+                raise line.error(
+                    column,
+                    f"{line.cells[column]} is not the {said[0].cells[column]} of line "
+                    f"{said[0].number}, which is of order {id_!r} too",
+                    f"give an order one {column}",
+                )
+    return Order(id_, tuple(name for name, _ in own), **wishes)
 
 
 def _remarks(takes: Sequence[Take], items: Sequence[Item], scattered: Collection[str]) -> list[str]:
@@ -175,8 +196,11 @@ def _passed(names: Sequence[str]) -> list[str]:
     return [f"{count(len(names), 'column')} ignored: {some(names)}"] if names else []
 
 
-def _where(takes: Sequence[Take], field: str) -> str:
-    """Return line and column of what the domain calls ``items[3].at.slot``."""
+def _where(takes: Sequence[Take], orders: Sequence[Sequence[tuple[str, Line]]], field: str) -> str:
+    """Return line and column of what the domain calls ``items[3].at.slot`` or ``orders[2].due``."""
+    if found := re.fullmatch(rf"orders\[(\d+)\]\.({'|'.join(_TIMES)})", field):
+        lines = [line for _, line in orders[int(found[1])]]
+        return next((one for one in lines if one.fills(found[2])), lines[0]).where(found[2])
     found = re.match(r"items\[(\d+)\]\.(?:at\.)?(\w+)", field)
     if found is None:
         return field
