@@ -11,6 +11,7 @@ import math
 import time
 
 from qrobot.backends import Stop
+from qrobot.backends.classical.aisles import TOURS, compiled_soon, takes
 from qrobot.backends.classical.exact import ExactPlanner
 from qrobot.backends.classical.generation import bound_of_batches
 from qrobot.plan import Plan, check
@@ -55,9 +56,10 @@ def begin_bound(run: Run) -> None:
     if not instance.orders:
         return
     with run.timed("bound"):
-        run.best.raise_bound(max(quick_bound(instance), tours_bound(instance)))
+        run.best.raise_bound(quick_bound(instance))
         if math.isinf(run.stop.remaining) or len(instance.orders) <= INSTANT:
             return  # all of it comes after the search, and takes no time
+        _raise_by_tours(run)
         stop = run.stop.within(EARLY_SHARE * run.stop.remaining)
         pairs = len(instance.stops) ** 2
         rounds = min(FOREST_ROUNDS, int(FOREST_CELLS / pairs))
@@ -66,6 +68,12 @@ def begin_bound(run: Run) -> None:
         rounds = min(WALK_ROUNDS, int(WALK_CELLS / (steps * pairs)), WALK_STEPS // steps)
         run.best.raise_bound(walk_bound(instance, run.best.length, _Paced(stop), rounds))
     run.tell()
+
+
+def _raise_by_tours(run: Run) -> None:
+    """Raise the bound by the shortest tours of whole orders, where these are found at once."""
+    if takes(run.instance) and compiled_soon(run.stop, TOURS):
+        run.best.raise_bound(tours_bound(run.instance))
 
 
 def time_to_search(run: Run) -> Stop:
@@ -103,6 +111,7 @@ def bound_from_below(run: Run) -> None:
         if stop.remaining <= 0 and run.best.bound > 0:
             return  # even to begin takes tenths of a second of two thousand stops
         run.best.raise_bound(quick_bound(run.instance))
+        _raise_by_tours(run)
         if ExactPlanner.name not in run.record.steps:
             run.best.raise_bound(bound_of_batches(run.instance, run.best.routes, stop))
         part = _Paced(stop)

@@ -141,17 +141,17 @@ def test_tours_of_orders_bound_plans_in_aisles(
     assert least is not None
     bound = tours_bound(instance)
     assert bound <= least[0] * (1 + 1e-9)
-    if instance.whole_orders and _jit.available():
+    if instance.whole_orders:
         assert bound >= radial_bound(instance) * (1 - 1e-9)
         assert orders > 1 or bound == pytest.approx(least[0])
 
 
 def test_large_waves_in_aisles_are_bounded_by_their_tours() -> None:
-    if not _jit.available():
-        pytest.skip("tours are not compiled here")
     instance = wave(200, 4)
     assert tours_bound(instance) > 1.2 * radial_bound(instance)
-    assert qrobot.solve(instance, backend="fcfs", max_work=1).bound >= tours_bound(instance) - 1
+    if _jit.available():
+        found = qrobot.solve(instance, backend="fcfs", max_work=1)
+        assert found.bound >= tours_bound(instance) * (1 - 1e-9)
 
 
 @settings(deadline=None, max_examples=40)

@@ -13,7 +13,7 @@ from qrobot.backends.base import Stop
 from qrobot.problem import AisleWarehouse, Instance
 from qrobot.warehouse import MAX_CROSS_AISLES
 
-__all__ = ["NOT_COMPILED", "PLACES", "compiled_soon", "is_late", "takes"]
+__all__ = ["NOT_COMPILED", "PLACES", "TOURS", "compiled_soon", "is_late", "takes"]
 
 COMPILING = 120.0
 """Seconds that compiling may take on a small robot: with less time, only cached kernels run."""
@@ -35,6 +35,9 @@ PLACES = (
     ("../../warehouse/subgradient.py", "search_prices"),
 )
 """Of the choice of places."""
+
+TOURS = (("../../warehouse/kernels.py", "_tour_length"),)
+"""Of shortest tours alone."""
 
 
 def takes(instance: Instance) -> bool:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from qrobot import _jit
 from qrobot._arrays import Floats
 from qrobot.problem import AisleWarehouse, Instance, Slot
 from qrobot.warehouse import MAX_CROSS_AISLES, Router
@@ -109,10 +108,10 @@ def tours_bound(instance: Instance) -> float:
 
     In aisles the shortest tour past all stops of an order is found at once, and no trip that
     collects the order is shorter: leaving stops out lengthens no trip. So the proof of
-    `radial_bound` holds with that length as r(o). Zero where it tells nothing more, or not at once.
+    `radial_bound` holds with that length as r(o). Zero where it tells nothing more.
     """
     house = instance.warehouse
-    if not isinstance(house, AisleWarehouse) or house.is_one_way or not _jit.available():
+    if not isinstance(house, AisleWarehouse) or house.is_one_way:
         return 0.0
     if instance.stock or not instance.whole_orders or house.blocks >= MAX_CROSS_AISLES:
         return 0.0

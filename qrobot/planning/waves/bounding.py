@@ -7,10 +7,12 @@ from collections import defaultdict
 import numpy as np
 
 from qrobot._arrays import Floats
+from qrobot.backends import Stop
+from qrobot.backends.classical.aisles import TOURS, compiled_soon, takes
 from qrobot.errors import InputError
 from qrobot.problem import MAX_STOPS, AisleWarehouse, Instance, Place, Slot
 from qrobot.problem.validity import some
-from qrobot.warehouse import MAX_CROSS_AISLES, Router
+from qrobot.warehouse import Router
 
 __all__ = ["pool_bound"]
 
@@ -18,7 +20,7 @@ BLOCK = 200
 """Places whose distances are looked at together: few, so that a pool never has its whole matrix."""
 
 
-def pool_bound(pool: Instance) -> float:
+def pool_bound(pool: Instance, stop: Stop | None = None) -> float:
     """Return a length that no plan of a pool is below, metres: cut or whole, in any trips.
 
     For each order let r(o) be a length that no trip which collects it is below: in aisles that of
@@ -32,6 +34,13 @@ def pool_bound(pool: Instance) -> float:
     Zero where ways over other places may be shorter than direct ones and more than `MAX_STOPS`
     places would have to be looked at.
 
+    Parameters
+    ----------
+    pool
+        All orders.
+    stop
+        Without time to compile the kernel of tours, the ways out and back count in aisles, too.
+
     Raises
     ------
     InputError
@@ -39,7 +48,7 @@ def pool_bound(pool: Instance) -> float:
     """
     if not pool.orders:
         return 0.0
-    least = _least_trips(pool)
+    least = _least_trips(pool, stop or Stop())
     farthest_first = np.argsort(-least, kind="stable")
     weights = pool.order_weights[farthest_first]
     room = int(pool.capacities.max())
@@ -50,7 +59,7 @@ def pool_bound(pool: Instance) -> float:
     return float(steps @ np.maximum(trips, 1))
 
 
-def _least_trips(pool: Instance) -> Floats:
+def _least_trips(pool: Instance, stop: Stop) -> Floats:
     """Return for each order a length that no trip which collects it is below."""
     places: dict[str, list[Place]] = defaultdict(list)
     for one in pool.stock:
@@ -64,7 +73,6 @@ def _least_trips(pool: Instance) -> Floats:
             field="items",
             advice="move the items",
         )
-    tours = _tours(pool)
     least = np.zeros(len(pool.orders))
     picks: list[list[Slot]] = []
     for o, nodes in enumerate(pool.order_nodes):
@@ -73,15 +81,10 @@ def _least_trips(pool: Instance) -> Floats:
         fixed = [i.place for i in items if i.article not in places]
         picks.append([place for place in fixed if isinstance(place, Slot)])
         least[o] = reach
-    return least if tours is None else np.maximum(least, tours.lengths(picks))
-
-
-def _tours(pool: Instance) -> Router | None:
-    """Return what finds shortest tours of many orders quickly, if the layout lets it."""
     house = pool.warehouse
-    if not isinstance(house, AisleWarehouse) or house.is_one_way:
-        return None
-    return Router(house) if house.blocks < MAX_CROSS_AISLES else None
+    if isinstance(house, AisleWarehouse) and takes(pool) and compiled_soon(stop, TOURS):
+        return np.maximum(least, Router(house).lengths(picks))
+    return least
 
 
 def _there_and_back(pool: Instance, places: list[Place]) -> Floats:

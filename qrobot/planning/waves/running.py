@@ -129,7 +129,7 @@ def plan_waves(
     asked = {"pool": fingerprint(question) if folder is not None else None, **asked}
     store = None if folder is None else Folder(folder, asked, resume=resume)
     run.tell("bounding")
-    bound = objective_named(objective).bound(question, pool_bound(question))
+    bound = objective_named(objective).bound(question, pool_bound(question, run.limits))
     found = Waves(question, asked, (), len(parts), bound, notes=question.remarks)
     for orders in parts:
         wave = run.wave(orders, parts, store)
