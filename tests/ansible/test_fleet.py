@@ -65,6 +65,7 @@ def test_one_robot_first_and_then_a_quarter_at_a_time(upgrade: Run) -> None:
     assert "pi-8: 2.0 is in use, before it 1.0" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_first_robot_that_fails_ends_the_upgrade(upgrade: Run) -> None:
     done, batches = upgrade({"pi-1": {"broken": True}})
     assert done.returncode != 0
@@ -81,6 +82,7 @@ def test_a_robot_that_fails_later_keeps_the_rest_untouched(upgrade: Run) -> None
     assert not re.search(r"pi-[678]\b", done.stdout.partition("PLAY RECAP")[0])
 
 
+@pytest.mark.slow
 def test_an_unreachable_robot_fails_the_run_and_ends_it_when_its_batch_is_lost(
     upgrade: Run,
 ) -> None:
@@ -93,6 +95,7 @@ def test_an_unreachable_robot_fails_the_run_and_ends_it_when_its_batch_is_lost(
     assert batches == []
 
 
+@pytest.mark.slow
 def test_the_batches_are_given_on_the_command_line(upgrade: Run) -> None:
     done, batches = upgrade(
         {"pi-4": {"broken": True}}, qrobot_batch=[3, "100%"], qrobot_max_fail=50

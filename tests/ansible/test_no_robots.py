@@ -174,6 +174,7 @@ def test_a_good_inventory_is_taken_in_each_of_its_forms(playbook: str, tmp_path:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_the_exit_code_of_the_playbook_is_told_and_kept(playbook: str, tmp_path: Path) -> None:
     program("ssh")
     dead = "all: {hosts: {gone: {ansible_host: 127.0.0.1, ansible_port: 1}}}\n"

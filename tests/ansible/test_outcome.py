@@ -67,7 +67,9 @@ def finished(done: Any) -> list[str]:
 # Each fault on the robot that comes first; a failed one and a silent one also after another.
 @pytest.mark.parametrize(
     ("which", "fault", "says", "code"),
-    [("pi-1", *fault) for fault in FAULTS] + [("pi-2", *fault) for fault in FAULTS[2::2]],
+    [("pi-1", *fault) for fault in FAULTS[2::2]]
+    + [pytest.param("pi-1", *fault, marks=pytest.mark.slow) for fault in (*FAULTS[:2], FAULTS[3])]
+    + [pytest.param("pi-2", *fault, marks=pytest.mark.slow) for fault in FAULTS[2::2]],
 )
 def test_the_others_go_on_and_the_end_says_who_failed_and_why(
     provision: Provision, which: str, fault: dict[str, Any], says: str, code: int
@@ -83,6 +85,7 @@ def test_the_others_go_on_and_the_end_says_who_failed_and_why(
     assert f"\n  {other} " not in end
 
 
+@pytest.mark.slow
 def test_several_faults_are_all_named(provision: Provision) -> None:
     program("ssh")
     odd = {f"pi-{n}": fault for n, (fault, _, _) in enumerate(FAULTS, start=1)}
@@ -101,6 +104,7 @@ def test_what_was_mended_on_the_way_is_no_failure(provision: Provision) -> None:
     assert len(finished(done)) == 4
 
 
+@pytest.mark.slow
 def test_robots_of_batches_that_never_began_and_that_were_stopped_are_named(
     provision: Provision,
 ) -> None:

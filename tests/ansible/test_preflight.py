@@ -17,6 +17,7 @@ from fleet_house import play
 yaml = pytest.importorskip("yaml")
 ROLE = Path(__file__).resolve().parents[2] / "ansible/roles/preflight"
 
+SLOW = pytest.mark.slow
 Hosts = dict[str, dict[str, Any]]
 
 
@@ -45,7 +46,9 @@ def run_task(
     return passed, {name: json.loads(answer)["msg"] for name, answer in refused}
 
 
-@pytest.mark.parametrize("zone", ["UTC", "America/New_York", "Asia/Kolkata"])
+@pytest.mark.parametrize(
+    "zone", ["America/New_York", *(pytest.param(z, marks=SLOW) for z in ("UTC", "Asia/Kolkata"))]
+)
 def test_a_clock_is_told_right_from_wrong_in_every_zone(tmp_path: Path, zone: str) -> None:
     now = int(time.time())
     hours = {"right": 0, "slow": -5, "fast": 5}
@@ -140,6 +143,7 @@ def test_the_trial_logs_in_as_ansible_does(tmp_path: Path) -> None:
             assert one in " ".join(told[address])
 
 
+@pytest.mark.slow
 def test_the_command_line_names_the_user_and_the_key(tmp_path: Path) -> None:
     key = tmp_path / "key"
     code, text, told = log_in(tmp_path, {"picker-1": {}}, "--user", "me", "--private-key", str(key))

@@ -61,6 +61,7 @@ def owned(playbooks: Path) -> dict[str, Any]:
     return {name: json.loads((playbooks / name).read_text()) for name in asked}
 
 
+@pytest.mark.slow
 def test_it_is_selected_by_its_tag_with_what_it_needs(playbooks: Path) -> None:
     done = run(
         playbooks, program("ansible-playbook"), "--inventory", "robot,", "--list-tasks",
@@ -72,6 +73,7 @@ def test_it_is_selected_by_its_tag_with_what_it_needs(playbooks: Path) -> None:
     assert "release : Install the release" not in done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("switched", [True, False])
 def test_its_packages_are_installed_where_it_is_switched_on(
     owned: dict[str, Any], switched: bool
@@ -81,6 +83,7 @@ def test_its_packages_are_installed_where_it_is_switched_on(
     assert "libgomp1" in asked
 
 
+@pytest.mark.slow
 def test_its_file_and_unit_are_compared_and_its_file_is_removed(owned: dict[str, Any]) -> None:
     files, units = owned["compared"]
     assert "/etc/lldpd.d/qrobot.conf" in files

@@ -84,11 +84,14 @@ def steps_run(folder: Path, *options: str, profile: str = "lab", without: str = 
     return re.findall(r"^TASK \[\S*stacks : ((?:Step|Planners).*)\]", done.stdout, re.MULTILINE)
 
 
-@pytest.mark.parametrize("tag", STEPS)
+@pytest.mark.parametrize(
+    "tag", ["qiskit", *(pytest.param(t, marks=pytest.mark.slow) for t in STEPS if t != "qiskit")]
+)
 def test_the_tag_of_a_stack_selects_its_step_only(tag: str, tmp_path: Path) -> None:
     assert steps_run(tmp_path, "--tags", tag) == [STEPS[tag]]
 
 
+@pytest.mark.slow
 def test_a_profile_has_its_steps_and_a_check_that_did_not_pass_is_named(tmp_path: Path) -> None:
     assert len(steps_run(tmp_path)) == 9
     assert steps_run(tmp_path, "--tags", "stacks", profile="solver") == [

@@ -64,6 +64,7 @@ def test_a_second_run_asks_nobody_and_changes_nothing(house: House) -> None:
     assert "to fetch" not in told
 
 
+@pytest.mark.slow
 def test_the_profiles_share_the_files_and_have_ids_of_their_own(house: House) -> None:
     simple(house, "one")
     first, _ = house.run()
@@ -71,6 +72,7 @@ def test_the_profiles_share_the_files_and_have_ids_of_their_own(house: House) ->
     assert first["id"].replace("edge", "solver") == second["id"]
 
 
+@pytest.mark.slow
 def test_another_wheel_of_qrobot_is_another_release(house: House) -> None:
     simple(house, "one")
     first, _ = house.run()
@@ -83,6 +85,7 @@ def test_another_wheel_of_qrobot_is_another_release(house: House) -> None:
     assert house.run()[0]["id"] == first["id"]
 
 
+@pytest.mark.slow
 def test_a_broken_file_of_the_store_is_fetched_again(house: House) -> None:
     one, _ = simple(house, "one", "two")
     house.run()
@@ -109,6 +112,7 @@ def test_other_bytes_than_the_lock_allows_are_refused(house: House) -> None:
     assert two.name in house.files
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_named_and_the_rest_is_kept(house: House) -> None:
     one, two, three = simple(house, "one", "two", "three")
     kept = two.rename(house.folder / two.name)

@@ -59,6 +59,7 @@ def slow(house: House) -> Iterator[tuple[str, threading.Event]]:
     server.server_close()
 
 
+@pytest.mark.slow
 def test_a_killed_run_leaves_whole_files_and_the_next_one_goes_on(
     house: House, slow: tuple[str, threading.Event]
 ) -> None:
@@ -79,6 +80,7 @@ def test_a_killed_run_leaves_whole_files_and_the_next_one_goes_on(
     assert not [*house.dest.glob("tmp-*")]
 
 
+@pytest.mark.slow
 def test_two_at_once_do_not_disturb_each_other(house: House) -> None:
     simple(house, "one", "two")
     both = [house.start(), house.start()]

@@ -169,7 +169,10 @@ def test_output_to_a_pipe(tmp_path: Path) -> None:
     assert json.loads(found[0])["schema"] == "qrobot.plan/1"
 
 
-def test_progress_is_plain_without_a_terminal_and_absent_when_quiet() -> None:
+def test_progress_is_plain_without_a_terminal_and_absent_when_quiet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("QROBOT_HELPERS", "0")
     words = ("solve", EXAMPLES / "small-warehouse.json", "-b", "batching")
     process = start(*words, "-t", "3600")
     told = await_text(process.stderr, "batching: distance")

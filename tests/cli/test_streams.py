@@ -86,17 +86,15 @@ COMMANDS = [
     Command("health --schema", states="few"),
     Command("health numpy --no-system -o h.json --junit h.xml", ("h.json", "h.xml"), states="few"),
     Command("image seed card --hostname robot-1 --user mira --key key.pub", ("card/user-data",)),
-    Command(
-        "reproduce table2 --rows 2 --quick --reads 20 -o rows",
-        ("rows/reproduce.json",),
-        states="few",
-    ),
     Command("--help"),
     Command("--version", states="few"),
     Command("solve --help", states="few"),
     Command("solve --no-such-option", code=2),
     Command("no-such-command", code=2, states="few"),
 ]
+STUDY = Command(
+    "reproduce table2 --rows 2 --quick --reads 20 -o rows", ("rows/reproduce.json",), states="few"
+)
 
 
 @pytest.fixture(scope="module")
@@ -185,7 +183,11 @@ def forked(command: Command, folder: Path, state: str) -> subprocess.CompletedPr
         return subprocess.CompletedProcess(command.words, code, out.read(), err.read())
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda one: " ".join(one.words.split()[:4])[-60:])
+@pytest.mark.parametrize(
+    "command",
+    [*COMMANDS, pytest.param(STUDY, marks=pytest.mark.slow)],
+    ids=lambda one: " ".join(one.words.split()[:4])[-60:],
+)
 def test_streams_never_cost_the_work_nor_its_code(
     command: Command, made: Path, tmp_path: Path
 ) -> None:
@@ -323,7 +325,8 @@ def test_a_terminal_that_hangs_up_leaves_the_plan(tmp_path: Path) -> None:
     child, terminal = pty.fork()
     if not child:
         words = [*QROBOT, "solve", str(question), "-t", "120", "-o", str(plan)]
-        os.execve(words[0], words, os.environ | {"PYTHONPATH": str(ROOT)})
+        alone = {"PYTHONPATH": str(ROOT), "QROBOT_HELPERS": "0"}
+        os.execve(words[0], words, os.environ | alone)
     told = b""
     while b"distance" not in told:
         told += os.read(terminal, 1000)

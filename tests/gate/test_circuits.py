@@ -124,7 +124,7 @@ def test_braket_has_the_same_state() -> None:
 
 
 def test_gates_of_one_and_two_qubits_do_the_same() -> None:
-    for circuit in circuits():
+    for circuit in circuits(layers=1):  # a second has the same gates with other angles
         found = elementary(circuit)
         assert all(len(gate.controls) + len(gate.qubits) <= 2 for gate in found.gates)
         np.testing.assert_allclose(state(found), state(circuit), atol=1e-9)

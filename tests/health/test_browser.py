@@ -52,7 +52,7 @@ def path(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     return target
 
 
-@pytest.mark.parametrize("width", [1200, 375])
+@pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 375])
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 def test_a_page_is_drawn(page: Browser, path: Path, width: int, dark: bool) -> None:
     page.open(path, width, dark=dark)

@@ -22,6 +22,7 @@ from qrobot.warehouse import ROUTINGS, under_policy
 
 SHARED = Path(__file__).parents[3] / "shared/data/picking"
 POLICIES = [name for name in ROUTINGS if name != "exact"]
+SLOW = pytest.mark.slow
 THROUGH_BLOCKS = [name for name in POLICIES if name not in {"return", "midpoint"}]
 COMPILED = pytest.mark.skipif(not _jit.available(), reason="numba is not installed")
 
@@ -74,7 +75,7 @@ def least(instance: Instance, policy: str) -> float:
 @COMPILED
 @pytest.mark.parametrize("policy", POLICIES)
 def test_the_best_batches_are_found_and_proven(policy: str) -> None:
-    for seed in range(3):
+    for seed in range(2):
         instance = orders(seed, 7, back=seed % 2)
         result = qrobot.solve(instance, routing=policy, max_work=400)
         assert result.is_optimal
@@ -86,7 +87,9 @@ def test_the_best_batches_are_found_and_proven(policy: str) -> None:
 
 @COMPILED
 @pytest.mark.parametrize("listed", [True, False])
-@pytest.mark.parametrize("policy", THROUGH_BLOCKS)
+@pytest.mark.parametrize(
+    "policy", ["s-shape", *(pytest.param(p, marks=SLOW) for p in THROUGH_BLOCKS if p != "s-shape")]
+)
 def test_the_best_batches_through_blocks_are_found_and_proven(
     policy: str, listed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -21,6 +21,7 @@ from qrobot.plan import Plan
 from qrobot.problem.checks import canonical
 from qrobot.report import PickLists, pick_lists, picklist_page
 
+SLOW = pytest.mark.slow
 PAPERS = {"a4": (210, 297), "a5": (148, 210), "label": (100, 150)}
 
 
@@ -131,7 +132,9 @@ def printed(chromium: Browser, page: Path) -> tuple[int, list[float]]:
 @needs_chromium
 @pytest.mark.parametrize("width", [1200, 390])
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-@pytest.mark.parametrize("case", ["closed", "manhattan", "table", "many"])
+@pytest.mark.parametrize(
+    "case", ["many", *(pytest.param(c, marks=SLOW) for c in ("closed", "manhattan", "table"))]
+)
 def test_a_page_fits_the_screen_and_asks_for_nothing(
     chromium: Browser, tmp_path: Path, case: str, width: int, dark: bool
 ) -> None:

@@ -79,7 +79,7 @@ def written(figure: Any) -> list[tuple[str, Any]]:
 
 
 @pytest.mark.parametrize(
-    "trips", [1, 5, 12, 13, *(pytest.param(many, marks=pytest.mark.slow) for many in (23, 60))]
+    "trips", [1, 5, 12, *(pytest.param(many, marks=pytest.mark.slow) for many in (13, 23, 60))]
 )
 @pytest.mark.parametrize("house", HOUSES)
 def test_no_text_covers_another_or_leaves_the_sheet(house: str, trips: int) -> None:
@@ -226,7 +226,7 @@ def named(instance: Instance, name: str) -> Instance:
     return replace(instance, items=items, orders=orders)
 
 
-@pytest.mark.parametrize("alone", [False, True])
+@pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["日本", "한국", "ไทย", "देव", "קופסה", "صندوق", "é", "𓀀"])
 def test_other_scripts_are_drawn_or_told_without_warnings(
     name: str,

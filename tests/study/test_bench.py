@@ -221,6 +221,7 @@ DEPOT_SECTION
 """
 
 
+@pytest.mark.slow
 def test_no_reference_breaks_the_report(tmp_path: Path) -> None:
     costs = {"a": "nan", "b": "inf", "c": "-5", "d": "0", "e": "12.5", "f": "1e-320"}
     for name, cost in costs.items():
