@@ -19,7 +19,7 @@ NEXT_SCHEMA = "qrobot.next/1"
     metavar="PLACE",
     default="depot",
     show_default=True,
-    help="Where the robot stands: depot, the id of an item that lies there, AISLE,SLOT or "
+    help="Where the robot stands: depot, the id of an item or the label of its bin, AISLE,SLOT or "
     "AISLE,SLOT,BLOCK (from 0), X,Y, or the node of a table.",
 )
 @click.option("--robot", metavar="ID", help="Whose capacity and speed count.  [default: the first]")

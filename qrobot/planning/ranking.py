@@ -99,8 +99,8 @@ def rank_orders(
         Its orders are those that wait.
     at
         Where the robot stands: a place of the warehouse, or text: ``depot``, the id of an item
-        that lies there, or numbers (``AISLE,SLOT`` or ``AISLE,SLOT,BLOCK`` from 0, ``X,Y``, or
-        the node of a table); the depot by default.
+        that lies there or the label of its bin, or numbers (``AISLE,SLOT`` or
+        ``AISLE,SLOT,BLOCK`` from 0, ``X,Y``, or the node of a table); the depot by default.
     robot
         Id of the robot, whose capacity and speed count; the first one by default.
     stop
@@ -204,7 +204,8 @@ def _place(instance: Instance, at: Place | str | None) -> Place | None:
 
 def _named(instance: Instance, text: str) -> Place:
     """Return the place that a text means."""
-    items = {item.id: item for item in instance.items}
+    labels = {item.label: item for item in instance.items if item.label}
+    items = labels | {item.id: item for item in instance.items}  # an id comes first
     if text in items:
         return items[text].place
     if text in dict(getattr(instance.warehouse, "poses", ())):
@@ -223,10 +224,11 @@ def _named(instance: Instance, text: str) -> Place:
                 return Point(x, y)
     except ValueError:
         meant = near(text, items)
+        label = ", the label of its bin" if labels else ""
         raise InputError(
             f"{text!r} is not a place here",
             field="at",
-            advice=f"{meant} give depot, the id of an item, or {form}".lstrip(),
+            advice=f"{meant} give depot, the id of an item{label}, or {form}".lstrip(),
         ) from None
 
 

@@ -18,6 +18,7 @@ from strategies import instances
 import qrobot
 from qrobot.errors import InputError
 from qrobot.plan import Plan
+from qrobot.planning import rank_orders
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot, Stock
 from qrobot.problem.formats.native import parse_native, to_text
 from qrobot.report import pick_lists, schedule, table
@@ -143,3 +144,13 @@ def test_what_no_bin_has_is_refused(change: dict[str, object], said: str) -> Non
             one, items=(dataclasses.replace(one.items[0], **change), *one.items[1:])
         )
     assert str(caught.value).startswith(said)
+
+
+def test_a_robot_may_stand_at_a_label() -> None:
+    one = labelled()
+    assert rank_orders(one, "A01-02-2") == rank_orders(one, Slot(0, 1)) == rank_orders(one, "b")
+    with pytest.raises(InputError, match=r"at: 'A01-02-9' is not a place here; .*the label of its"):
+        rank_orders(one, "A01-02-9")
+    named = dataclasses.replace(one.items[2], label="a")  # as another item's id
+    both = dataclasses.replace(one, items=(*one.items[:2], named))
+    assert rank_orders(both, "a") == rank_orders(one, Slot(0, 1))
