@@ -82,7 +82,8 @@ def time_to_search(run: Run) -> Stop:
     if math.isinf(left):
         return run.stop
     kept = min(BOUND_SHARE * left, BOUND_SECONDS)
-    if len(run.instance.stops) > MANY_STOPS:
+    slow = getattr(run.instance.warehouse, "is_slow_to_check", False)
+    if slow or len(run.instance.stops) > MANY_STOPS:
         # How long the check of such a plan takes here and now.
         routes = run.best.routes or run.instance.first_routes() or []
         begun = time.perf_counter()

@@ -23,6 +23,9 @@ __all__ = ["FREE", "MAX_CELLS", "OCCUPIED", "UNKNOWN", "FloorMap", "clear_line"]
 FREE, OCCUPIED, UNKNOWN = ".", "#", "?"
 """What a cell is."""
 
+SLOW = 50_000
+"""Cells of planning from which the checker needs noticeable time for each way."""
+
 MAX_CELLS = 25_000_000
 """Cells of a map at most: a hall of 250 by 250 metres at 5 cm."""
 
@@ -160,6 +163,11 @@ class FloorMap:
         padded[: self.clear.shape[0], : self.clear.shape[1]] = self.clear
         blocks = padded.reshape(height // k, k, width // k, k)
         return np.asarray(blocks.all(axis=(1, 3)))
+
+    @property
+    def is_slow_to_check(self) -> bool:
+        """Whether a plan's deadline must leave its check some time: it measures each way anew."""
+        return self.walkable.size > SLOW
 
     @property
     def cell(self) -> float:

@@ -36,6 +36,7 @@ from qrobot.planning.run import Run
 from qrobot.problem import (
     AisleWarehouse,
     DistanceTable,
+    FloorMap,
     Instance,
     Item,
     Node,
@@ -320,3 +321,16 @@ def test_time_is_kept_back_for_the_bound_and_for_the_check() -> None:
     assert run.check_seconds > 0
     assert run.stop.remaining - search.remaining >= run.check_seconds
     assert time_to_search(Run(instance, Stop(), 0)).remaining == math.inf
+
+
+def test_time_is_kept_back_for_the_check_on_a_large_map() -> None:
+    pytest.importorskip("scipy")
+    for side, kept in ((20, False), (300, True)):
+        house = FloorMap((".." * side,) * side, 1.0, Point(0.5, 0.5))
+        items = (Item("far", Fraction(1), Point(side - 0.5, side - 0.5)),)
+        robots = (Robot("R1", Fraction(1)),)
+        instance = Instance(house, items, (Order("o", ("far",)),), robots)
+        run = Run(instance, Stop(60), 1)
+        search = time_to_search(run)
+        assert (run.check_seconds > 0) is kept
+        assert run.stop.remaining - search.remaining >= run.check_seconds

@@ -34,6 +34,21 @@ def test_the_script_makes_the_committed_files(tmp_path: Path) -> None:
         assert (tmp_path / name).read_bytes() == (EXAMPLES / name).read_bytes(), name
 
 
+def test_the_script_of_the_maps_makes_the_committed_files(tmp_path: Path) -> None:
+    folder = EXAMPLES / "maps"
+    subprocess.run(
+        [sys.executable, folder / "make_maps.py", tmp_path],
+        check=True,
+        cwd=EXAMPLES.parent,
+        env={"PYTHONPATH": str(EXAMPLES.parent)},
+    )
+    made = sorted(p.name for p in tmp_path.iterdir())
+    assert made == sorted(p.name for p in folder.iterdir() if p.suffix != ".py")
+    for name in made:
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
+        assert f"`{name}`" in (EXAMPLES / "README.md").read_text(), name
+
+
 @pytest.mark.parametrize("path", INSTANCES, ids=lambda p: p.name)
 def test_every_example_is_read_and_owns_up(path: Path) -> None:
     one = qrobot.read(path)
