@@ -155,7 +155,10 @@ def test_proven_plans_cost_the_least_of_all(instance: Instance, objective: str) 
     assert qrobot.check(result.plan, instance).ok
 
 
-@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize(
+    "objective",
+    [*(pytest.param(o, marks=pytest.mark.slow) for o in OBJECTIVES[:-1]), OBJECTIVES[-1]],
+)
 def test_eight_orders_and_three_unlike_robots(objective: str) -> None:
     """All 4,140 splits, each with all hands: what depends on the sequence is left to the small."""
     places = [(0, 3), (2, 0), (1, 1), (2, 3), (0, 0), (1, 3), (2, 2), (0, 1)]
