@@ -16,6 +16,7 @@ from typing import Any
 from qrobot.errors import INSTALL, MissingExtraError
 
 __all__ = [
+    "DISTRIBUTIONS",
     "distribution_version",
     "extra_of",
     "extras",
@@ -26,8 +27,8 @@ __all__ = [
 ]
 
 DISTRIBUTIONS = {
-    "braket": "amazon-braket-sdk",
     "PIL": "pillow",
+    "braket": "amazon-braket-sdk",
     "dwave": "dwave-system",
     "yaml": "pyyaml",
 }

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
+import sys
+import tomllib
 from itertools import pairwise, product
+from pathlib import Path
 
 import networkx as nx
 import numpy as np
@@ -12,7 +16,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from qrobot.errors import InputError
+import qrobot
+from qrobot._extras import DISTRIBUTIONS
+from qrobot.errors import InputError, MissingExtraError
 from qrobot.plan.ruler import Ruler
 from qrobot.problem import FloorMap, Point, Pose
 from qrobot.problem.floor_map import clear_line
@@ -275,3 +281,21 @@ def test_a_map_goes_to_helpers_without_what_is_derived() -> None:
     assert len(pickle.dumps(house)) == bare
     assert pickle.loads(pickle.dumps(house)) == house
     assert hash(house) == hash(pickle.loads(pickle.dumps(house)))
+
+
+@pytest.mark.parametrize(("module", "radius"), [("scipy.sparse", 0.0), ("scipy.ndimage", 0.5)])
+def test_without_scipy_the_extra_is_named(
+    module: str, radius: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("qrobot._extras.extras", lambda: {"maps": frozenset({"scipy"})})
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(MissingExtraError, match=r"^a map needs .* pip install 'qrobot\[maps\]'"):
+        FloorMap(ROOM, 1.0, middle(1, 1), radius=radius).distance_matrix([middle(4, 5)])
+
+
+def test_the_extra_has_all_that_maps_need() -> None:
+    text = (Path(qrobot.__file__).parents[1] / "pyproject.toml").read_text()
+    held = tomllib.loads(text)["project"]["optional-dependencies"]["maps"]
+    names = {re.split(r"[>=<\[]", one)[0] for one in held}
+    for module in ("scipy", "PIL", "yaml"):
+        assert DISTRIBUTIONS.get(module, module) in names
