@@ -271,3 +271,10 @@ def test_another_objective_is_one_entry(
     assert result.is_optimal
     assert "energy 284 J" in result.summary()
     assert qrobot.check(result.plan, cart_and_lift).ok
+
+
+def test_deadlines_need_a_backend_that_knows_of_time() -> None:
+    """Every backend makes distances small, which is not enough where deadlines bind."""
+    instance = qrobot.read("examples/morning.json")
+    with pytest.raises(qrobot.InputError, match="batching cannot optimise distance with deadlines"):
+        qrobot.solve(instance, backend="batching", max_work=1)
