@@ -182,6 +182,7 @@ def test_machine_code_is_not_that_of_an_older_part(tmp_path: Path, changed: str)
     assert ask(tmp_path, asked, **place)[:2] == ["True", "1"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 def test_machine_code_of_another_installation_is_taken_where_the_kernel_is_the_same(
     tmp_path: Path,

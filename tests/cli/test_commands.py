@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 import started
 from processes import await_text
+from slow import slow
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
@@ -278,7 +279,7 @@ def test_output_into_a_small_full_file_system(tmp_path: Path) -> None:
         subprocess.run(["umount", str(small)], check=True)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, slow(signal.SIGHUP)])
 def test_an_interrupt_keeps_the_best_plan(number: signal.Signals, tmp_path: Path) -> None:
     plan = tmp_path / "plan.json"
     question = EXAMPLES / "small-warehouse.json"

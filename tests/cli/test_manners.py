@@ -13,6 +13,7 @@ from pathlib import Path
 import psutil
 import pytest
 from processes import await_text, gone, until
+from slow import slow
 
 from qrobot.cli import main
 
@@ -38,7 +39,7 @@ def code_of(*words: str | Path) -> int:
     return int(done.value.code or 0)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, slow(signal.SIGTERM), slow(signal.SIGHUP)])
 def test_an_interrupted_bench_keeps_its_rows(number: signal.Signals, tmp_path: Path) -> None:
     folder = tmp_path / "questions"
     folder.mkdir()

@@ -14,6 +14,7 @@ from tempfile import TemporaryFile
 
 import pytest
 import started
+from slow import slow
 
 from qrobot.cli.signals import stop_on_signals, terminate_as_interrupt
 
@@ -212,7 +213,7 @@ def test_streams_never_cost_the_work_nor_its_code(
                 json.loads((folder / file).read_text())
 
 
-@pytest.mark.parametrize("state", ["", *STATES["all"]])
+@pytest.mark.parametrize("state", ["", *map(slow, STATES["all"])])
 def test_a_forked_command_does_what_a_started_one_does(
     state: str, made: Path, tmp_path: Path
 ) -> None:

@@ -23,6 +23,7 @@ class TestStatevector(SamplerConformance):
         return StatevectorSampler()
 
 
+@pytest.mark.slow
 class TestStatevectorDeep(SamplerConformance):
     parameters: ClassVar[dict[str, object]] = {"layers": 3, "alpha": 0.2, "precision": "single"}
 

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import least_distance, paper_shaped
+from slow import slow
 from strategies import instances
 
 import qrobot
@@ -294,7 +295,7 @@ def test_loaded_walks_leave_light_stops_out_of_tables_too() -> None:
     assert quick_bound(instance) < walk_bound(instance, expected.cost, never) <= expected.cost
 
 
-@pytest.mark.parametrize("backend", ["auto", "batching", "pyvrp"])
+@pytest.mark.parametrize("backend", ["auto", slow("batching"), slow("pyvrp")])
 def test_the_bound_of_a_search_does_not_depend_on_the_time_that_is_left(
     backend: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import least_distance, paper_shaped
+from slow import slow
 
 import qrobot
 from qrobot.models import Penalties
@@ -35,7 +36,7 @@ def marked(marker: float, items: int, seed: int, share: float, *, whole: bool = 
     )
 
 
-@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("whole", [True, slow(False)])
 @pytest.mark.parametrize("backend", ["pyvrp", "pyvrp-plain", "batching", "auto"])
 def test_the_plan_is_the_same_whatever_the_marker(backend: str, whole: bool) -> None:
     if backend.startswith("pyvrp"):

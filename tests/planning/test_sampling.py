@@ -138,8 +138,8 @@ def test_repair_makes_any_routes_valid(instance: Instance, seed: int, data: st.D
 @pytest.mark.parametrize("backend", ["neal", "tabu", "descent"])
 @pytest.mark.parametrize(
     ("items", "robots"),
-    [(n, k) for k in (2, 3) for n in (2, 3, 4)]
-    + [pytest.param(5, k, marks=pytest.mark.slow) for k in (2, 3)],
+    [(n, k) for k in (2, 3) for n in (2, 3)]
+    + [pytest.param(n, k, marks=pytest.mark.slow) for k in (2, 3) for n in (4, 5)],
 )
 def test_every_annealer_gives_a_plan_by_itself(backend: str, items: int, robots: int) -> None:
     """Raw reads, nothing repaired; the lowest energy may be no plan at the first weights."""

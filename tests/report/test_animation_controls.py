@@ -12,6 +12,7 @@ import pytest
 from health.browser import Browser, browser, needs_chromium
 from report.animated import XY, Page, at, page_of, timed
 from scenes import CASES, shared
+from slow import slow
 
 import qrobot
 from qrobot.plan import Plan
@@ -61,7 +62,7 @@ def await_move(chromium: Browser, since: float) -> float:
     return float(found["result"]["value"])
 
 
-@pytest.mark.parametrize("width", [1200, 390])
+@pytest.mark.parametrize("width", [slow(1200), 390])
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 def test_the_page_fits_the_screen_and_asks_for_nothing(
     chromium: Browser, page: Path, width: int, dark: bool

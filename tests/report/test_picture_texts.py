@@ -113,6 +113,7 @@ def test_every_trip_has_a_colour_and_a_number_of_its_own(trips: int, per_robot: 
     assert [journey.tag for journey in scene.journeys] == [f"#{n + 1}" for n in range(trips)]
 
 
+@pytest.mark.slow
 def test_each_of_many_trips_has_a_map_of_its_own(tmp_path: Path) -> None:
     for trips in (12, 13):
         for house in ("aisles", "floor"):
