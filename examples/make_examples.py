@@ -127,7 +127,7 @@ def three_items(seed: int = 7) -> Instance:
 
 
 def morning(seed: int = 5) -> Instance:
-    """Eight orders with due times, a release and a deadline, for two robots that come back."""
+    """Eight orders with due times and a release, for two robots that come back."""
     draw = random.Random(seed)
     wishes: dict[str, dict[str, float]] = {
         "A": {"due": 150, "priority": 3},
@@ -137,7 +137,7 @@ def morning(seed: int = 5) -> Instance:
         "E": {"due": 300},
         "F": {"release": 120},
         "G": {},
-        "H": {"deadline": 400},
+        "H": {"due": 400},
     }
     items, orders = [], []
     for k, (name, times) in enumerate(wishes.items()):
