@@ -177,9 +177,11 @@ def deal(
     for i in sorted(range(len(routes)), key=urgency):
         able = left.robots_for(int(loads[i]))
         ends = np.maximum(back[able], trips[i].release) + seconds[i, able]
-        added = rates[able] * trips[i].length
+        # Along a forbidden way, which the checker refuses, every robot is as good.
+        added = rates[able] * (trips[i].length if math.isfinite(trips[i].length) else 0.0)
         added += objective.per_robot * np.array([turns[r] == 0 for r in able])
-        added += objective.makespan * np.maximum(ends - last, 0.0)
+        if objective.makespan:
+            added += objective.makespan * np.maximum(ends - last, 0.0)
         if objective.lateness or instance.has_deadlines:
             added += [
                 price_of_end(instance, objective, trips[i], float(end), MISSED) for end in ends

@@ -276,5 +276,7 @@ def test_another_objective_is_one_entry(
 def test_deadlines_need_a_backend_that_knows_of_time() -> None:
     """Every backend makes distances small, which is not enough where deadlines bind."""
     instance = qrobot.read("examples/morning.json")
+    first = replace(instance.orders[0], deadline=500.0)
+    instance = replace(instance, orders=(first, *instance.orders[1:]))
     with pytest.raises(qrobot.InputError, match="batching cannot optimise distance with deadlines"):
         qrobot.solve(instance, backend="batching", max_work=1)
