@@ -47,7 +47,7 @@ class PolicyInstance(Instance):
         places = {self.items[v - 1].place for v in nodes}
         slots = sorted(
             (place for place in places if isinstance(place, Slot)),
-            key=lambda slot: (slot.aisle, slot.slot, slot.side),
+            key=lambda slot: (slot.aisle, slot.block, slot.slot, slot.side),
         )
         known = frozenset(places)
         if known not in self._ways:

@@ -108,6 +108,24 @@ def test_the_best_batches_through_blocks_are_found_and_proven(
         assert "the routing 'return' needs one block of aisles" in str(wrong)
 
 
+def test_a_trip_is_walked_alike_in_whatever_sequence_its_nodes_come() -> None:
+    """Some places differ by their block only; which of a set comes first is left to chance."""
+    house = AisleWarehouse(6, 9, 3, depot_distance=1.0)
+    for seed in range(250):
+        rng = np.random.default_rng(seed)
+        spots = [(int(rng.integers(6)), int(rng.integers(9))) for _ in range(6)]
+        items = [
+            Item(f"{k}/{b}", 1, Slot(a, s, b)) for k, (a, s) in enumerate(spots) for b in (0, 1)
+        ]
+        lots = tuple(Order(item.id, (item.id,)) for item in items)
+        asked = under_policy(Instance(house, tuple(items), lots, (Robot("R1", 99),)), "s-shape")
+        nodes = list(range(1, len(items) + 1))
+        for _ in range(2):
+            (walked,) = asked.in_sequence([nodes])
+            assert qrobot.check(Plan.from_routes(asked, [walked]), asked).ok, seed
+            rng.shuffle(nodes)
+
+
 @COMPILED
 def test_a_way_may_be_longer_than_those_of_its_orders_together() -> None:
     """Aisles that a trip of few picks turns in, S-shape passes: no proof may rely on less."""
