@@ -128,7 +128,9 @@ def _closed(warehouse: Any, closed: tuple[str, ...]) -> Any:
 
     if not isinstance(warehouse, AisleWarehouse):
         raise InputError(
-            "there are no aisles to close", field="--close", advice="change the state's warehouse"
+            f"a warehouse of kind {warehouse.kind} does not have aisles",
+            field="--close",
+            advice="change the state's warehouse",
         )
     parts = set(warehouse.closed_aisles)
     for text in closed:

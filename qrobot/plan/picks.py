@@ -128,6 +128,6 @@ def as_picked(instance: Instance, picks: tuple[Pick, ...], *, with_stock: bool =
             source = bins.get((pick.article, pick.place))
             nowhere = Stock(pick.article, pick.place, 0)  # which the checker tells
             made.append(picked(group, pick.id, source or nowhere, pick.quantity))
-        orders.append(Order(order.id, [item.id for item in made[first:]]))
+        orders.append(dataclasses.replace(order, items=tuple(item.id for item in made[first:])))
     left = instance.stock if with_stock else ()
     return dataclasses.replace(instance, items=tuple(made), orders=tuple(orders), stock=left)

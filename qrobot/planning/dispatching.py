@@ -8,9 +8,9 @@ annealing, Kirkpatrick et al. 1983), with the tour of each new trip looked up or
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,6 +43,9 @@ MOVES = 200
 SPREAD = 0.2
 """Of the makespan's weight, for the mean of all robots: moves that free another robot's time are
 of use too, though the last one is not back sooner."""
+
+METRE = 0.01
+"""Of a plan's cost, for all its metres: of moves that cost the same, those count that shorten."""
 
 ROUNDING = 1e-9
 """Share of a trip's usual cost below which a gain is rounding."""
@@ -77,10 +80,8 @@ def dispatch(run: Run, short: Strategy) -> None:
     inner = Run(
         relaxed, stop, run.seed, objective=DISTANCE, on_best=lambda found, _: run.best.offer(found)
     )
-    with run.timed("run"):
-        short.plan(inner)
-    run.record.steps += [step for step in inner.record.steps if step not in run.record.steps]
-    run.record.work.update(inner.record.work)
+    inner.record = run.record  # its steps, notes and times are those of this run
+    short.plan(inner)
     if inner.infeasible is not None:
         run.infeasible = inner.infeasible
         return
@@ -97,7 +98,12 @@ def dispatch(run: Run, short: Strategy) -> None:
 
 
 def improve(
-    run: Run, routes: Routes, keep: Mapping[Batch, int] | None = None, stability: float = 0.0
+    run: Run,
+    routes: Routes,
+    seats: Seats | None = None,
+    *,
+    keep: Mapping[Batch, int] | None = None,
+    stability: float = 0.0,
 ) -> None:
     """Move orders and trips about until time is up, from the best plan of a run or from routes.
 
@@ -105,8 +111,9 @@ def improve(
     ----------
     run
         It keeps what is better.
-    routes
-        Where to begin when the run has no plan that keeps all deadlines.
+    routes, seats
+        Where to begin when the run has no plan that keeps all deadlines, and who makes them: by
+        default as `dealing.assign` says.
     keep
         Trips that should stay with their robots.
     stability
@@ -117,69 +124,108 @@ def improve(
     kept = min(KEPT_SHARE * left, KEPT_SECONDS) if math.isfinite(left) else 0.0
     stop = run.stop.within(max(left - kept, 0.0)) if kept else run.stop
     with run.timed("run"):
-        search = _Search(run, routes, keep or {}, stability)
+        search = _Search(run, routes, seats, keep or {}, stability)
         search.anneal(stop)
     run.out_of_time = stop.remaining <= 0
     work = run.record.work
     work["dispatching"] = work.get("dispatching", 0) + search.moves // MOVES
 
 
+class _Part(NamedTuple):
+    """What the trips of one robot come to: their cost, when it is back, and their metres."""
+
+    cost: float
+    ends: float
+    length: float
+
+
 class _Search:
     """Simulated annealing over who collects which orders, on which of its trips."""
 
     def __init__(
-        self, run: Run, routes: Routes, keep: Mapping[Batch, int], stability: float
+        self,
+        run: Run,
+        routes: Routes,
+        seats: Seats | None,
+        keep: Mapping[Batch, int],
+        stability: float,
     ) -> None:
         self.run, self.instance, self.objective = run, run.instance, run.best.objective
-        instance = self.instance
-        self.random = random.Random(run.seed)  # noqa: S311 - no secret
+        instance, best = self.instance, run.best
+        self.draw = np.random.default_rng(run.seed).random
         self.tours = BatchTours(instance, run.stop)
         self.weights = [int(w) for w in instance.order_weights]
         self.rooms = [int(c) for c in instance.capacities]
         self.near = _nearest(instance)
         self.rounds: Rounds = [[] for _ in instance.robots]
+        self.robot_of = [0] * len(instance.orders)
         owner = instance.order_of_node
-        best = run.best
         start = routes if best.routes is None else best.routes
-        seats = best.seats if best.seats is not None else assign(instance, start, self.objective)
+        if best.routes is not None:
+            seats = best.seats
+        if seats is None:
+            seats = assign(instance, start, self.objective)
         for (r, _), route in sorted(zip(seats, start, strict=True)):
             batch = tuple(sorted({int(owner[v]) for v in route}))
-            self.rounds[r].append(batch)
+            self._put(r, [*self.rounds[r], batch])
             self.tours.keep(batch, list(route))
-        # A second after a deadline costs more than a whole plan may.
-        self.price_of_missing = self.price_of_change = 0.0
         self.keep = keep
-        parts = [self._of_robot(r, trips) for r, trips in enumerate(self.rounds)]
-        usual = sum(value for value, _ in parts) + self.objective.makespan * max(
-            (ends for _, ends in parts), default=0.0
-        )
-        self.usual = max(usual / max(len(start), 1), 1e-9)
-        self.price_of_missing = 10.0 * max(usual, 1.0)
+        self.price_of_missing = self.price_of_change = 0.0
+        whole = self._whole(self._parts())
+        self.usual = whole.cost / max(len(start), 1)
+        # Of plans of one cost the shorter is better; where the plan costs nothing, metres guide.
+        self.price_of_metre = METRE * whole.cost / whole.length if whole.length else 0.0
+        if self.usual <= 0.0:
+            self.price_of_metre, self.usual = 1.0, max(whole.length, 1.0) / max(len(start), 1)
+        # A second after a deadline costs more than a whole plan may.
+        self.price_of_missing = 10.0 * max(whole.cost, whole.length, 1.0)
         self.price_of_change = stability * self.usual
-        self.parts = [self._of_robot(r, trips) for r, trips in enumerate(self.rounds)]
+        self.parts = self._parts()
         self.energy = self._energy(self.parts)
-        self.best_value = self._value(self.parts)
+        self.best = self._whole(self.parts)
         self.best_rounds = [list(trips) for trips in self.rounds]
         self.fresh = best.routes is None
         self.moves = 0
 
+    def _put(self, r: int, trips: list[Batch]) -> None:
+        """Let a robot make these trips."""
+        self.rounds[r] = trips
+        for batch in trips:
+            for order in batch:
+                self.robot_of[order] = r
+
     # -- what plans cost ----------------------------------------------------------------------
 
-    def _of_robot(self, r: int, trips: list[Batch]) -> tuple[float, float]:
+    def _of_robot(self, r: int, trips: list[Batch]) -> _Part:
         timed = [self.tours.timed(batch) for batch in trips]
         missed = self.price_of_missing
         value, ends = cost_of_robot(self.instance, self.objective, r, timed, missed)
         if self.price_of_change:  # what is kept is cheaper
             value -= self.price_of_change * sum(self.keep.get(batch) == r for batch in trips)
-        return value, ends
+        return _Part(value, ends, sum(trip.length for trip in timed))
 
-    def _value(self, parts: list[tuple[float, float]]) -> float:
-        last = max(ends for _, ends in parts)
-        return sum(value for value, _ in parts) + self.objective.makespan * last
+    def _parts(self) -> list[_Part]:
+        return [self._of_robot(r, trips) for r, trips in enumerate(self.rounds)]
 
-    def _energy(self, parts: list[tuple[float, float]]) -> float:
-        mean = sum(ends for _, ends in parts) / len(parts)
-        return self._value(parts) + SPREAD * self.objective.makespan * mean
+    def _whole(self, parts: list[_Part]) -> _Part:
+        """Return what all robots together come to."""
+        last = max(part.ends for part in parts)
+        value = sum(part.cost for part in parts) + self.objective.makespan * last
+        return _Part(value, last, sum(part.length for part in parts))
+
+    def _energy(self, parts: list[_Part]) -> float:
+        """Return the cost that the annealing makes small: with what guides it beside the plan's."""
+        whole = self._whole(parts)
+        mean = sum(part.ends for part in parts) / len(parts)
+        guided = SPREAD * self.objective.makespan * mean + self.price_of_metre * whole.length
+        return whole.cost + guided
+
+    def _is_best(self, whole: _Part) -> bool:
+        """Return whether a plan is cheaper than the best one, or as cheap and shorter."""
+        slack = ROUNDING * self.usual
+        if abs(whole.cost - self.best.cost) > slack:
+            return whole.cost < self.best.cost
+        return whole.length < self.best.length * (1.0 - ROUNDING)
 
     # -- moves --------------------------------------------------------------------------------
 
@@ -196,12 +242,11 @@ class _Search:
                 self._move(warmth)
             self.moves += MOVES
             self._offer()
-        self.fresh = True
         self._offer()
 
     def _move(self, warmth: float) -> None:
         """Try one change; keep it when it is better, or by chance."""
-        draw = self.random.random()
+        draw = self.draw()
         if draw < 0.5:
             changed = self._relocate()
         elif draw < 0.75:
@@ -217,43 +262,37 @@ class _Search:
             parts[r] = self._of_robot(r, trips)
         energy = self._energy(parts)
         worse = energy - self.energy
-        if worse > 0 and self.random.random() >= math.exp(-worse / warmth):
+        if worse > 0 and self.draw() >= math.exp(-worse / warmth):
             return
         for r, trips in changed.items():
-            self.rounds[r] = trips
+            self._put(r, trips)
         self.parts, self.energy = parts, energy
-        if (value := self._value(parts)) < self.best_value - ROUNDING * self.usual:
-            self.best_value = value
+        if self._is_best(whole := self._whole(parts)):
+            self.best = whole
             self.best_rounds = [list(trips) for trips in self.rounds]
             self.fresh = True
 
-    def _pick(self) -> tuple[int, int] | None:
+    def _below(self, count: int) -> int:
+        """Return a random number from 0 to below a count."""
+        return int(self.draw() * count)
+
+    def _pick(self) -> tuple[int, int]:
         """Return a robot and one of its trips; often the robot that is back last."""
         used = [r for r, trips in enumerate(self.rounds) if trips]
-        if not used:
-            return None
-        if self.objective.makespan and self.random.random() < 0.5:
-            r = max(used, key=lambda r: self.parts[r][1])
+        if self.objective.makespan and self.draw() < 0.5:
+            r = max(used, key=lambda r: self.parts[r].ends)
         else:
-            r = self.random.choice(used)
-        return r, self.random.randrange(len(self.rounds[r]))
-
-    def _find(self, order: int) -> tuple[int, int]:
-        for r, trips in enumerate(self.rounds):
-            for t, batch in enumerate(trips):
-                if order in batch:
-                    return r, t
-        raise AssertionError(order)
+            r = used[self._below(len(used))]
+        return r, self._below(len(self.rounds[r]))
 
     def _beside(self, order: int, source: tuple[int, int]) -> tuple[int, int] | None:
         """Return another trip, of a neighbour of an order or any."""
-        if self.near.shape[1] and self.random.random() < 0.8:
-            target = self._find(int(self.near[order, self.random.randrange(self.near.shape[1])]))
+        if self.near.shape[1] and self.draw() < 0.8:
+            other = int(self.near[order, self._below(self.near.shape[1])])
+            r = self.robot_of[other]
+            target = r, next(t for t, batch in enumerate(self.rounds[r]) if other in batch)
         else:
-            picked = self._pick()
-            if picked is None:
-                return None
-            target = picked
+            target = self._pick()
         return None if target == source else target
 
     def _changed(self, changes: dict[tuple[int, int], Batch]) -> dict[int, list[Batch]]:
@@ -269,19 +308,17 @@ class _Search:
     def _relocate(self) -> dict[int, list[Batch]] | None:
         """Move an order to another trip, or to one of its own."""
         source = self._pick()
-        if source is None:
-            return None
         r, t = source
         batch = self.rounds[r][t]
-        order = self.random.choice(batch)
+        order = batch[self._below(len(batch))]
         rest = tuple(o for o in batch if o != order)
-        if rest and self.random.random() < 0.1:
-            to = self.random.randrange(len(self.rounds))
+        if rest and self.draw() < 0.1:
+            to = self._below(len(self.rounds))
             if self.weights[order] > self.rooms[to]:
                 return None
             found = self._changed({source: rest})
             trips = found.setdefault(to, list(self.rounds[to]))
-            trips.insert(self.random.randint(0, len(trips)), (order,))
+            trips.insert(self._below(len(trips) + 1), (order,))
             return found
         target = self._beside(order, source)
         if target is None:
@@ -294,15 +331,13 @@ class _Search:
     def _exchange(self) -> dict[int, list[Batch]] | None:
         """Exchange two orders of two trips."""
         source = self._pick()
-        if source is None:
-            return None
         batch = self.rounds[source[0]][source[1]]
-        order = self.random.choice(batch)
+        order = batch[self._below(len(batch))]
         target = self._beside(order, source)
         if target is None:
             return None
         others = self.rounds[target[0]][target[1]]
-        other = self.random.choice(others)
+        other = others[self._below(len(others))]
         mine = tuple(sorted((*(o for o in batch if o != order), other)))
         theirs = tuple(sorted((*(o for o in others if o != other), order)))
         if self._load(mine) > self.rooms[source[0]] or self._load(theirs) > self.rooms[target[0]]:
@@ -312,24 +347,22 @@ class _Search:
     def _shift_trip(self) -> dict[int, list[Batch]] | None:
         """Give a trip to another turn or robot, or exchange two trips."""
         source = self._pick()
-        if source is None:
-            return None
         r, t = source
         batch = self.rounds[r][t]
-        if self.random.random() < 0.5:
+        if self.draw() < 0.5:
             target = self._pick()
-            if target is None or target == source:
+            if target == source:
                 return None
             other = self.rounds[target[0]][target[1]]
             if self._load(batch) > self.rooms[target[0]] or self._load(other) > self.rooms[r]:
                 return None
             return self._changed({source: other, target: batch})
-        to = self.random.randrange(len(self.rounds))
+        to = self._below(len(self.rounds))
         if self._load(batch) > self.rooms[to]:
             return None
         found = self._changed({source: ()})
         trips = found.setdefault(to, list(self.rounds[to]))
-        trips.insert(self.random.randint(0, len(trips)), batch)
+        trips.insert(self._below(len(trips) + 1), batch)
         return found
 
     def _offer(self) -> None:

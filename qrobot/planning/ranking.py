@@ -10,16 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from qrobot._arrays import Floats
 from qrobot._parameters import near
 from qrobot.backends import Stop
-from qrobot.backends.classical.batching import improve_tour, tour_length
-from qrobot.backends.classical.exact.tours import (
-    MAX_LISTED,
-    MAX_STOPS,
-    nearest_tour,
-    shortest_tour,
-)
+from qrobot.backends.classical.batching import tour_length
+from qrobot.backends.classical.exact.tours import best_sequence
 from qrobot.errors import InfeasibleError, InputError
 from qrobot.problem import Instance, Node, Place, Point, Pose, Robot, Slot
 
@@ -144,7 +138,7 @@ def rank_orders(
         at_rows = [int(rows[nodes[0]]) for nodes in own]
         # One node stands for both ends: ways leave it from the robot and enter it at the depot.
         ways = d[np.ix_([start, *at_rows], [0, *at_rows])]
-        tour, proven = _shortest(ways, stop)
+        tour, proven = best_sequence(ways, stop)
         length = tour_length(ways, tour)
         items = [instance.items[v - 1] for s in tour for v in own[s - 1]]
         ranked.append(
@@ -161,20 +155,6 @@ def rank_orders(
             )
         )
     return tuple(sorted(ranked, key=lambda one: round(one.distance, DIGITS)))
-
-
-def _shortest(ways: Floats, stop: Stop) -> tuple[list[int], bool]:
-    """Return the sequence of the stops, and whether none is proven to be shorter."""
-    open_ = np.isfinite(ways)
-    # A plan without a forbidden way is shorter than one of these.
-    forbidden = 1.0 + float(ways[open_].max(initial=0.0)) * (len(ways) + 1)
-    finite = np.where(open_, ways, forbidden)
-    np.fill_diagonal(finite, 0.0)
-    if len(ways) <= MAX_LISTED + 1:
-        stop = Stop()
-    if len(ways) <= MAX_STOPS + 1 and (found := shortest_tour(finite, stop)) is not None:
-        return found[1], True
-    return improve_tour(finite, nearest_tour(finite)), False
 
 
 def _robot(instance: Instance, name: str | None) -> Robot:

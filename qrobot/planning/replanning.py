@@ -8,28 +8,27 @@ and robots keep what they know.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
+from qrobot._numbers import number
+from qrobot._parameters import Parameter
+from qrobot._text import count, printable
 from qrobot.backends import Stop
-from qrobot.backends.classical.batching.tour import improve_tour, tour_length
-from qrobot.backends.classical.exact.tours import MAX_LISTED, nearest_tour, shortest_tour
-from qrobot.errors import InfeasibleError, InputError
+from qrobot.errors import InfeasibleError
 from qrobot.plan.dealing import Seats
 from qrobot.plan.objective import objective_named
 from qrobot.planning.bounds import quick_bound, schedule_bound
 from qrobot.planning.dispatching import improve
 from qrobot.planning.feasibility import reason_infeasible
 from qrobot.planning.result import Result
-from qrobot.planning.run import Run
-from qrobot.planning.solving import result_of
+from qrobot.planning.run import Run, seats_fit
+from qrobot.planning.solving import result_of, strategy_of
 from qrobot.planning.state import State
-from qrobot.planning.strategy import DEFAULT_DEADLINE
+from qrobot.planning.strategy import check_arguments
+from qrobot.planning.under_way import Finish, cut_off_items, finish
 from qrobot.problem import Instance, Order, Robot
 from qrobot.problem.fleets import NO_LIMIT
 
@@ -37,30 +36,8 @@ __all__ = ["REPLAN_SCHEMA", "Finish", "Replan", "replan"]
 
 REPLAN_SCHEMA = "qrobot.replan/1"
 
-
-@dataclass(frozen=True, slots=True)
-class Finish:
-    """The rest of a trip under way.
-
-    Parameters
-    ----------
-    robot
-        Its id.
-    trip
-        Number of the trip in the old plan.
-    picked
-        Ids of the items that are on board.
-    stops
-        Ids of the items that are still collected, in sequence.
-    back
-        When the robot is back, seconds since all robots began.
-    """
-
-    robot: str
-    trip: int
-    picked: tuple[str, ...]
-    stops: tuple[str, ...]
-    back: float
+DEFAULT_SECONDS = 2.0
+"""When neither a deadline nor a limit of work is given: robots wait."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +88,8 @@ class Replan:
     def summary(self) -> str:
         """Return it in a few plain lines."""
         lines = [
-            f"{one.robot} brings its trip {one.trip} home at {one.back:.4g} s, past "
-            f"{len(one.stops)} more stops"
+            f"{printable(one.robot)} brings its trip {one.trip} home at {number(one.back)} s, past "
+            f"{count(len(one.stops), 'more stop')}"
             for one in self.finishing
         ]
         if self.untouched:
@@ -157,16 +134,15 @@ def replan(
     InfeasibleError
         When no plan was found for the open orders.
     """
-    if not (math.isfinite(stability) and stability >= 0):
-        raise InputError(
-            f"{stability!r} is not a stability", field="stability", advice="give 0 or more"
-        )
+    check_arguments(deadline=deadline, max_work=max_work, seed=seed, objective=objective)
+    Parameter("number", 0, optional=False).check("stability", stability)
     if deadline is None and max_work is None:
-        deadline = min(2.0, DEFAULT_DEADLINE)
+        deadline = DEFAULT_SECONDS
     stop = Stop(deadline, max_work)
     aim = objective_named(objective)
-    finishing, notes = _finish(state)
-    instance, more = _open_instance(state, finishing)
+    cut_off = cut_off_items(state.instance)
+    finishing, notes = finish(state, cut_off)
+    instance, more = _open_instance(state, finishing, cut_off)
     notes += more
     if instance is None:
         return Replan(tuple(finishing), None, (), (), tuple(notes))
@@ -175,6 +151,8 @@ def replan(
     run = Run(instance, stop, seed, objective=aim, seated=True)
     old = _old_trips(state, instance, finishing)
     routes, seats = _start(instance, old)
+    if not seats_fit(instance, routes, seats):
+        return _from_nothing(run, finishing, notes)
     run.best.offer(routes, seats=seats)
     index = {order.id: o for o, order in enumerate(instance.orders)}
     fleet = {robot.id: r for r, robot in enumerate(instance.robots)}
@@ -184,7 +162,7 @@ def replan(
         if trip.untouched
     }
     run.best.bound = schedule_bound(instance, aim, quick_bound(instance))
-    improve(run, routes, keep, stability)
+    improve(run, routes, seats, keep=keep, stability=stability)
     result = result_of(run, "auto")
     unchanged, changes = _differences(old, result)
     return Replan(
@@ -196,58 +174,19 @@ def replan(
     )
 
 
-# -- trips under way --------------------------------------------------------------------------
-
-
-def _finish(state: State) -> tuple[list[Finish], list[str]]:
-    """Return the rest of each trip under way, and what is different from the plan."""
-    finishing, notes = [], []
-    instance, cancelled, missing = state.instance, set(state.cancelled), set(state.missing)
-    owner = {item: order.id for order in instance.orders for item in order.items}
-    robots = {robot.id: robot for robot in instance.robots}
-    node = {item.id: i + 1 for i, item in enumerate(instance.items)}
-    for one in state.robots:
-        if one.trip == 0 or one.lost:
-            continue
-        trip = state.plan.trips[one.trip - 1]
-        left = [stop for stop in trip.stops if stop not in one.picked]
-        stops = [s for s in left if s not in missing and owner[s] not in cancelled]
-        gone = [order for order in trip.orders if order in cancelled]
-        if held := [o for o in gone if any(owner[item] == o for item in one.picked)]:
-            notes.append(
-                f"robot {one.robot} has items of the cancelled orders {', '.join(held)} on board"
-            )
-        back = one.back
-        if stops != left or back < state.now:
-            speed = robots[one.robot].speed
-            at = node[one.picked[-1]] if one.picked else 0
-            length, stops = _rest(instance, at, [node[stop] for stop in stops])
-            handling = math.fsum(instance.times.of(instance.items[node[s] - 1]) for s in stops)
-            back = state.now + length / speed + handling
-        finishing.append(Finish(one.robot, one.trip, one.picked, tuple(stops), back))
-    return finishing, notes
-
-
-def _rest(instance: Instance, at: int, nodes: Sequence[int]) -> tuple[float, list[str]]:
-    """Return the length and the stops of a short way from a node past others to the depot."""
-    rows = instance.place_of_node[[at, *nodes]]
-    # One row stands for both ends: ways leave it from the robot and enter it at the depot.
-    ways = instance.place_distances[np.ix_(rows, np.array([0, *rows[1:]], dtype=np.intp))].copy()
-    if not np.isfinite(ways).all():
-        ways[~np.isfinite(ways)] = 1.0 + ways[np.isfinite(ways)].sum()
-    if not nodes:
-        return float(ways[0, 0]), []
-    np.fill_diagonal(ways, 0.0)
-    found = shortest_tour(ways, Stop()) if len(nodes) <= MAX_LISTED else None
-    tour = improve_tour(ways, nearest_tour(ways)) if found is None else found[1]
-    names = [instance.items[nodes[v - 1] - 1].id for v in tour]
-    return tour_length(ways, tour), names
+def _from_nothing(run: Run, finishing: Sequence[Finish], notes: Sequence[str]) -> Replan:
+    """Plan all open orders anew, where the old trips do not suit the robots that are left."""
+    strategy_of("auto").plan(run)
+    note = "the old trips do not suit the robots that are left: all open orders are planned anew"
+    return Replan(tuple(finishing), result_of(run, "auto"), (), (), (*notes, note))
 
 
 # -- what is open -----------------------------------------------------------------------------
 
 
-def _open_instance(state: State, finishing: Sequence[Finish]) -> tuple[Instance | None, list[str]]:
+def _open_instance(
+    state: State, finishing: Sequence[Finish], cut_off: frozenset[str]
+) -> tuple[Instance | None, list[str]]:
     """Return the question that is left, ``None`` without orders, and what people must know."""
     instance = state.instance
     notes = [
@@ -255,7 +194,7 @@ def _open_instance(state: State, finishing: Sequence[Finish]) -> tuple[Instance 
         for one in state.robots
         if one.lost and one.picked
     ]
-    orders, more = _open_orders(state, finishing)
+    orders, more = _open_orders(state, finishing, cut_off)
     if not orders:
         return None, notes + more
     robots = _open_robots(state, finishing)
@@ -272,8 +211,13 @@ def _open_instance(state: State, finishing: Sequence[Finish]) -> tuple[Instance 
     return question, notes + more
 
 
-def _open_orders(state: State, finishing: Sequence[Finish]) -> tuple[list[Order], list[str]]:
-    """Return the orders that nobody has begun, without what is missing, and notes."""
+def _open_orders(
+    state: State, finishing: Sequence[Finish], cut_off: frozenset[str]
+) -> tuple[list[Order], list[str]]:
+    """Return the orders that nobody has begun, without what is missing, and notes.
+
+    Orders with items that no way leads to have to wait.
+    """
     under_way = {order for one in finishing for order in state.plan.trips[one.trip - 1].orders}
     done = under_way | set(state.delivered) | set(state.cancelled)
     missing = set(state.missing)
@@ -285,7 +229,9 @@ def _open_orders(state: State, finishing: Sequence[Finish]) -> tuple[list[Order]
         if absent := [item for item in order.items if item in missing]:
             end = f"goes without {', '.join(absent)}" if items else "is dropped: all is missing"
             notes.append(f"order {order.id} {end}")
-        if items:
+        if blocked := [item for item in items if item in cut_off]:
+            notes.append(f"order {order.id} has to wait: no way leads to {', '.join(blocked)}")
+        elif items:
             orders.append(replace(order, items=items))
     return orders, notes
 
@@ -327,13 +273,13 @@ def _old_trips(state: State, instance: Instance, finishing: Sequence[Finish]) ->
     fleet = {robot.id for robot in instance.robots}
     under_way = {one.trip for one in finishing}
     found = []
-    for number, trip in enumerate(state.plan.trips, 1):
+    for n, trip in enumerate(state.plan.trips, 1):
         orders = tuple(order for order in trip.orders if order in open_orders)
-        if number in under_way or not orders:
+        if n in under_way or not orders:
             continue
         stops = tuple(stop for stop in trip.stops if stop in items)
         whole = orders == trip.orders and stops == trip.stops and trip.robot in fleet
-        found.append(_OldTrip(number, trip.robot, orders, stops, whole))
+        found.append(_OldTrip(n, trip.robot, orders, stops, whole))
     return found
 
 
@@ -380,7 +326,7 @@ def _differences(old: Sequence[_OldTrip], result: Result) -> tuple[tuple[int, ..
     before = {order: trip for trip in old for order in trip.orders}
     known = {frozenset(trip.orders) for trip in old if trip.number in unchanged}
     changes = []
-    for number, trip in enumerate(result.plan.trips, 1):
+    for n, trip in enumerate(result.plan.trips, 1):
         if frozenset(trip.orders) in known:
             continue
         parts: dict[str, list[str]] = {}
@@ -392,5 +338,5 @@ def _differences(old: Sequence[_OldTrip], result: Result) -> tuple[tuple[int, ..
                 origin = "as before" if came.robot == trip.robot else f"from {came.robot}"
             parts.setdefault(origin, []).append(order)
         told = "; ".join(f"{origin} {', '.join(orders)}" for origin, orders in parts.items())
-        changes.append(f"trip {number} of {trip.robot}: {told}")
+        changes.append(f"trip {n} of {trip.robot}: {told}")
     return unchanged, changes

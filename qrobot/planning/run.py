@@ -20,7 +20,7 @@ from qrobot.plan.objective import DISTANCE, Objective
 from qrobot.planning.result import SamplerReport, Timing
 from qrobot.problem import Instance
 
-__all__ = ["TIE", "Best", "Progress", "Record", "Run", "plan_fits"]
+__all__ = ["TIE", "Best", "Progress", "Record", "Run", "plan_fits", "seats_fit"]
 
 
 TIE = 1e-11
@@ -100,6 +100,8 @@ class Best:
         """
         kept = [[int(v) for v in route] for route in routes if len(route)]
         if not plan_fits(self.instance, kept):
+            return
+        if seats is not None and not seats_fit(self.instance, kept, seats):
             return
         length = self.instance.length(kept)
         if math.isinf(length):
@@ -324,6 +326,17 @@ class Run:
             of_plans=True,
             details=dict(reads.details),
         )
+
+
+def seats_fit(instance: Instance, routes: Routes, seats: Seats) -> bool:
+    """Return whether the robots that are to make routes can carry them, in so many trips."""
+    if len(set(seats)) != len(routes):
+        return False
+    return all(
+        turn < instance.robots[r].trips
+        and sum(int(instance.weights[v - 1]) for v in route) <= instance.capacities[r]
+        for (r, turn), route in zip(seats, routes, strict=True)
+    )
 
 
 def plan_fits(instance: Instance, routes: Routes) -> bool:

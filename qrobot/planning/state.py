@@ -9,7 +9,7 @@ from typing import Any
 
 from qrobot._files import StrPath, read_text, write_text_atomic
 from qrobot.errors import InputError
-from qrobot.plan import Plan, check
+from qrobot.plan import Plan, as_picked, check
 from qrobot.plan.timing import spans, timed
 from qrobot.problem import Instance
 from qrobot.problem.formats.jsontext import dumps, loads, located
@@ -136,6 +136,7 @@ def state_at(plan: Plan, instance: Instance, now: float) -> State:
         )
     if not (report := check(plan, instance)).ok:
         raise InputError(f"the plan is not right: {report.problems[0]}", advice="make it anew")
+    instance = as_picked(instance, plan.picks, with_stock=False)
     node = {item.id: i + 1 for i, item in enumerate(instance.items)}
     delivered: list[str] = []
     robots = []
@@ -182,6 +183,9 @@ def _check(state: State) -> None:
         for i, name in enumerate(names):
             if name not in known:
                 raise _wrong(f"{field}[{i}]", f"{name!r} is not in the instance")
+    for i, name in enumerate(state.cancelled):
+        if name in state.delivered:
+            raise _wrong(f"cancelled[{i}]", f"order {name} is delivered already")
     for n, trip in enumerate(state.plan.trips):
         for stop in trip.stops:
             if stop not in items:

@@ -17,7 +17,7 @@ from planning.test_schedules_of_few import jobs
 import qrobot
 from qrobot.planning import State, read_state, replan, state_at
 from qrobot.planning.state import RobotState
-from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot
+from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot, Stock
 from qrobot.report import schedule
 
 SCHEMA = json.loads((Path(qrobot.__file__).parent / "planning" / "state.schema.json").read_text())
@@ -129,16 +129,89 @@ def test_trips_that_nothing_changes_stay_as_they_were() -> None:
     assert len(without.untouched) == len(found.untouched) - 1
 
 
-def test_a_blocked_aisle_is_driven_around() -> None:
+def closing(state: State, *parts: tuple[int, int]) -> State:
+    """Return a state in whose warehouse some sub-aisles are closed."""
+    house = state.instance.warehouse
+    assert isinstance(house, AisleWarehouse)
+    blocked = replace(house, closed_aisles=frozenset(parts))
+    return replace(state, instance=replace(state.instance, warehouse=blocked))
+
+
+def in_three_aisles(**of_robot: Any) -> Instance:
+    """Return an order in each of three aisles, and a robot that carries one of them."""
     items = tuple(Item(f"i{k}", 1, Slot(k, 3)) for k in range(3))
     orders = tuple(Order(f"o{k}", (f"i{k}",)) for k in range(3))
-    instance = Instance(AisleWarehouse(4, 6), items, orders, (Robot("R", 1, trips=5),))
+    house = AisleWarehouse(4, 6, 2, aisle_pitch=3.0, end_gap=1.0)
+    return Instance(house, items, orders, (Robot("R", 1, trips=5, **of_robot),))
+
+
+def test_orders_behind_a_blocked_aisle_wait_and_the_rest_is_planned(tmp_path: Path) -> None:
+    instance = in_three_aisles(available=1.0)
+    plan = qrobot.solve(instance).plan
+    state = closing(state_at(plan, instance, 0.0), (1, 0))
+    state.save(tmp_path / "state.json")
+    found = replan(read_state(tmp_path / "state.json"), max_work=5)
+    assert "order o1 has to wait: no way leads to i1" in found.changes
+    assert found.result is not None
+    assert {o for trip in found.result.plan.trips for o in trip.orders} == {"o0", "o2"}
+    assert qrobot.check(found.result.plan, found.result.instance).ok
+
+
+def test_a_robot_under_way_goes_around_a_blocked_aisle_or_comes_home_without() -> None:
+    instance = in_three_aisles()
+    instance = replace(instance, robots=(Robot("R", 3),))
     result = qrobot.solve(instance)
     state = state_at(result.plan, instance, 0.0)
-    blocked = replace(instance.warehouse, closed_aisles=frozenset({(3, 0)}))  # type: ignore[type-var]
-    found = replan(replace(state, instance=replace(instance, warehouse=blocked)), max_work=5)
+    as_planned = replan(state).finishing[0]
+    assert as_planned.back == pytest.approx(result.plan.distance)
+    (trip,) = result.plan.trips
+    around = replan(closing(state, (3, 0))).finishing[0]
+    assert around == as_planned  # nothing of its way is closed
+    without = replan(closing(state, (1, 0)))
+    assert set(without.finishing[0].stops) == set(trip.stops) - {"i1"}
+    assert "no way leads to i1: robot R comes home without" in without.changes
+    # Two picks 4 m deep in aisles 0 and 2, or twice through the block: the shorter way.
+    assert without.finishing[0].back == pytest.approx(2 * 6.0 + min(4 * 4.0, 2 * 7.0))
+
+
+def test_a_robot_in_a_blocked_aisle_must_be_marked() -> None:
+    instance = replace(in_three_aisles(), robots=(Robot("R", 3),))
+    result = qrobot.solve(instance)
+    state = state_at(result.plan, instance, 0.0)
+    (trip,) = result.plan.trips
+    inside = replace(state, robots=(replace(state.robots[0], picked=trip.stops[:1]),))
+    aisle = int(trip.stops[0][1:])
+    with pytest.raises(qrobot.InputError, match=r"no way leads robot R home.*mark it as lost"):
+        replan(closing(inside, (aisle, 0)))
+
+
+def test_old_trips_that_the_robots_cannot_make_are_planned_anew() -> None:
+    """Each old trip and the new order would be a trip of A, which may make two."""
+    house = AisleWarehouse(3, 4)
+    items = tuple(Item(f"i{k}", w, Slot(k, 2)) for k, w in enumerate((6, 6, 3)))
+    orders = tuple(Order(f"o{k}", (f"i{k}",)) for k in range(3))
+    fleet = (Robot("A", 10, trips=2, available=5.0), Robot("B", 1, trips=9, available=5.0))
+    old = Instance(house, items[:2], orders[:2], fleet)
+    state = state_at(qrobot.solve(old).plan, old, 0.0)
+    found = replan(replace(state, instance=replace(old, items=items, orders=orders)), max_work=5)
     assert found.result is not None
     assert qrobot.check(found.result.plan, found.result.instance).ok
+    assert "planned anew" in found.changes[-1]
+
+
+def test_a_plan_whose_places_were_chosen_can_be_replanned() -> None:
+    items = tuple(Item(f"i{k}", 1, Slot(k, 2), article="nut") for k in range(3))
+    orders = tuple(Order(f"o{k}", (f"i{k}",), due=50.0) for k in range(3))
+    stock = (*(Stock("nut", Slot(k, 2), 1) for k in range(3)), Stock("nut", Slot(0, 0), 3))
+    fleet = (Robot("R", 2, trips=5, available=1.0),)
+    instance = Instance(AisleWarehouse(3, 4), items, orders, fleet, stock=stock)
+    result = qrobot.solve(instance)
+    assert result.plan.picks
+    assert [order.due for order in result.instance.orders] == [50.0] * 3
+    found = replan(state_at(result.plan, instance, 0.0), max_work=5)
+    assert found.result is not None
+    assert qrobot.check(found.result.plan, found.result.instance).ok
+    assert found.unchanged == found.untouched
 
 
 def test_a_state_comes_back_from_its_file(tmp_path: Path) -> None:
@@ -158,6 +231,7 @@ def test_a_state_comes_back_from_its_file(tmp_path: Path) -> None:
         ({"now": "soon"}, "now"),
         ({"cancelled": ["nobody"]}, r"cancelled\[0\]"),
         ({"missing": "H1"}, "missing"),
+        ({"cancelled": ["A"], "delivered": ["A"]}, r"cancelled\[0\]"),
         ({"robots": [{"robot": "R9"}]}, r"robots\[0\]"),
         ({"robots": [{"robot": "R1"}, {"robot": "R1"}]}, r"robots\[1\]"),
         ({"robots": [{"robot": "R1", "trip": 99}]}, r"robots\[0\]\.trip"),

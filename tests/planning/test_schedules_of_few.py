@@ -97,7 +97,7 @@ def shortest(instance: Instance, orders: tuple[int, ...]) -> float:
 
 def value(
     objective: str, instance: Instance, plan: list[list[tuple[int, ...]]], long: dict
-) -> float:  # type: ignore[type-arg]
+) -> float:
     """Return what a plan costs, ``inf`` for one that is not allowed; told in plain sums."""
     metres = seconds = late = last = 0.0
     item = {one.id: one for one in instance.items}

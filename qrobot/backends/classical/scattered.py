@@ -219,7 +219,7 @@ def _placed(instance: Instance, taken: dict[str, list[tuple[Place, int]]]) -> In
                 made += _picks(group, left[article], names, bins)
             else:
                 made += group
-        orders.append(Order(order.id, [item.id for item in made[first:]]))
+        orders.append(dataclasses.replace(order, items=tuple(item.id for item in made[first:])))
     return dataclasses.replace(instance, items=tuple(made), orders=tuple(orders))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from dataclasses import dataclass
@@ -106,8 +107,11 @@ def parse_native(text: str, folder: Path | None = None, *, pool: bool = False) -
 
 
 def instance_of_data(data: Any) -> Instance:
-    """Return the instance of a document that stands in another one, read by `jsontext.loads`."""
-    return _instance(_document(data), Path(), pool=False)
+    """Return the instance of a document that stands in another one, read by `jsontext.loads`.
+
+    Whether a way leads to every item is not looked at.
+    """
+    return dataclasses.replace(_instance(_document(data), Path(), pool=True), pool=False)
 
 
 def _instance(document: Document, folder: Path, pool: bool) -> Instance:

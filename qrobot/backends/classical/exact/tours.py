@@ -18,7 +18,14 @@ from qrobot._arrays import Floats, Ints
 from qrobot.backends.classical.batching.tour import improve_tour, tour_length
 from qrobot.backends.classical.exact.subsets import fitting_subsets, shortest_tours
 
-__all__ = ["MAX_LISTED", "MAX_STOPS", "nearest_tour", "shortest_tour", "tour_bound"]
+__all__ = [
+    "MAX_LISTED",
+    "MAX_STOPS",
+    "best_sequence",
+    "nearest_tour",
+    "shortest_tour",
+    "tour_bound",
+]
 
 
 MAX_LISTED = 12
@@ -242,6 +249,33 @@ def _walked(tree: _Tree, weights: Floats) -> list[int]:
         tour.append(at)
         at, before = next(v for v in near[at] if v != before), at
     return tour
+
+
+def best_sequence(ways: Floats, stop: Callable[[], bool]) -> tuple[list[int], bool]:
+    """Return a sequence of the stops of a short way, and whether none is proven to be shorter.
+
+    Parameters
+    ----------
+    ways
+        Row 0 stands for both ends: ways leave it from the start, and enter it at the end. ``inf``
+        where no way leads.
+    stop
+        When the proof of many stops leaves off.
+    """
+    open_ = np.isfinite(ways)
+    # A plan without a forbidden way is shorter than one of these.
+    forbidden = 1.0 + float(ways[open_].max(initial=0.0)) * (len(ways) + 1)
+    finite = np.where(open_, ways, forbidden)
+    np.fill_diagonal(finite, 0.0)
+    if len(ways) <= MAX_LISTED + 1:
+        stop = _never
+    if len(ways) <= MAX_STOPS + 1 and (found := shortest_tour(finite, stop)) is not None:
+        return found[1], True
+    return improve_tour(finite, nearest_tour(finite)), False
+
+
+def _never() -> bool:
+    return False
 
 
 def nearest_tour(d: Floats) -> list[int]:
