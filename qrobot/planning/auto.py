@@ -73,14 +73,14 @@ class AutoPlanner(Strategy):
         if exact.at_once(run.instance):
             run.plan(exact, run.stop)
         search = choose_search(run.instance)
-        proves = few or (run.best.by_distance and _has_cp_sat())
+        proves = few or (run.best.shortest_is_best and _has_cp_sat())
         if not (run.finished or is_late(run.stop) or compiled_soon(run.stop)) and takes(
             run.instance
         ):
             run.record.notes.append(NOT_COMPILED)
         if not run.finished and proves and _can_prove(exact, run):
             _prove(run, exact, search)
-        if not (run.finished or run.best.by_distance or run.best.aim(search)):
+        if not (run.finished or run.best.shortest_is_best or run.best.aim(search)):
             run.record.notes.append(
                 f"no search takes account of {run.best.objective.name} here: short plans were "
                 "sought, their trips dealt to the robots at the least cost"

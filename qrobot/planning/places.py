@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from qrobot.backends import Stop
 from qrobot.backends.classical.scattered import can_choose, choose_places
@@ -39,12 +40,23 @@ def run_with_places(
     placed = choose_places(instance, stop.within(seconds))
     if placed is None:
         return None
-    run = Run(placed.instance, stop, seed, on_progress, objective=objective)
+    uncertain = _handling_of_places(placed.instance, objective)
+    run = Run(placed.instance, stop, seed, on_progress, objective=objective, seated=uncertain > 0.0)
     run.record.notes = [note for note in run.record.notes if note != ELSEWHERE]
     run.begin("places")
     run.best.raise_bound(placed.bound)
+    run.best.bound -= uncertain
     run.best.offer([placed.route])
     return run
+
+
+def _handling_of_places(instance: Instance, objective: Objective) -> float:
+    """Return what handling costs that other places might not cost.
+
+    They may take fewer picks, and be on lower levels.
+    """
+    certain = replace(instance.times, per_pick=0.0, per_level=0.0)
+    return objective.fixed(instance) - objective.fixed(replace(instance, times=certain))
 
 
 def plan_after_places(run: Run, strategy: Strategy) -> None:

@@ -64,7 +64,8 @@ class Best:
     on_best
         Told the routes and their distance whenever a better plan is kept.
     seated
-        Whether it is part of the plan who makes which trip, though it costs the same.
+        Whether it is part of the plan who makes which trip, though it costs the same; costs are
+        then compared and bounded in full, not by their metres alone.
     """
 
     def __init__(
@@ -77,8 +78,9 @@ class Best:
     ) -> None:
         self.instance = instance
         self.objective = objective
-        # One rate for all robots: a shortest plan is a cheapest, so distances are compared.
-        self.by_distance = objective.common_rate(instance) is not None and not seated
+        # One rate for all robots: a shortest plan is a cheapest one.
+        self.shortest_is_best = objective.common_rate(instance) is not None
+        self.by_distance = self.shortest_is_best and not seated  # distances are compared then
         self.routes: Routes | None = None
         self.seats: Seats | None = None  # where it matters who makes which trip, and when
         self.cost = self.length = float("inf")
@@ -157,7 +159,7 @@ class Best:
     def aim(self, planner: Planner) -> dict[str, Any]:
         """Return the objective as an argument of `search`, where a planner must be told."""
         able = self.objective.optimised_by(planner.capabilities.objectives, self.instance)
-        return {"objective": self.objective} if able and not self.by_distance else {}
+        return {"objective": self.objective} if able and not self.shortest_is_best else {}
 
     @property
     def finished(self) -> bool:
@@ -298,7 +300,7 @@ class Run:
         if found.infeasible is not None and best.routes is None:
             self.infeasible = found.infeasible
         best.take_bound(found, aim)
-        if found.optimal and best.routes is not None and (best.by_distance or aim):
+        if found.optimal and best.routes is not None and (best.shortest_is_best or aim):
             best.proven = True
             best.bound = max(best.bound, best.cost)
         self.tell()

@@ -20,7 +20,18 @@ from strategies import instances
 
 import qrobot
 from qrobot.plan import OBJECTIVES, Objective, read_plan
-from qrobot.problem import DistanceTable, Instance, Item, Node, Order, Robot
+from qrobot.problem import (
+    AisleWarehouse,
+    DistanceTable,
+    Instance,
+    Item,
+    Node,
+    Order,
+    Robot,
+    Slot,
+    Stock,
+    Times,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEEDS = st.sampled_from([0.25, 0.7, 1.0, 1.5, 4.0])
@@ -280,3 +291,23 @@ def test_deadlines_need_a_backend_that_knows_of_time() -> None:
     instance = replace(instance, orders=(first, *instance.orders[1:]))
     with pytest.raises(qrobot.InputError, match="batching cannot optimise distance with deadlines"):
         qrobot.solve(instance, backend="batching", max_work=1)
+
+
+def test_no_plan_is_called_best_where_other_places_take_fewer_picks() -> None:
+    """Two near bins with a piece each make two picks, a far one with both only one."""
+    items = tuple(Item(f"a{k}", 1, Slot(k, 0), article="nut") for k in range(2))
+    stock = (Stock("nut", Slot(0, 0), 1), Stock("nut", Slot(1, 0), 1), Stock("nut", Slot(0, 9), 2))
+    instance = Instance(
+        AisleWarehouse(2, 10, aisle_pitch=1.0, end_gap=1.0),
+        items,
+        (Order("A", ("a0", "a1")),),
+        (Robot("R", 9, trips=3),),
+        stock=stock,
+        times=Times(per_pick=100.0),
+    )
+    far = 2 * 10.0 + 100.0
+    for objective in ("time", "makespan", "distance=1,time=1"):
+        result = qrobot.solve(instance, objective=objective)
+        assert not result.is_optimal
+        assert result.bound <= far + (20.0 if "distance" in objective else 0.0)
+    assert qrobot.solve(instance).is_optimal  # by metres it is proven

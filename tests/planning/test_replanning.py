@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from planning.test_schedules_of_few import jobs
 
 import qrobot
+from qrobot.plan import Plan
 from qrobot.planning import State, read_state, replan, state_at
 from qrobot.planning.state import RobotState
 from qrobot.problem import AisleWarehouse, Instance, Item, Order, Robot, Slot, Stock
@@ -197,6 +198,22 @@ def test_old_trips_that_the_robots_cannot_make_are_planned_anew() -> None:
     assert found.result is not None
     assert qrobot.check(found.result.plan, found.result.instance).ok
     assert "planned anew" in found.changes[-1]
+
+
+def test_many_orders_are_planned_anew_by_the_usual_search() -> None:
+    """Every order was a trip of a robot that has broken down; the other may make two trips."""
+    items = tuple(Item(f"i{k}", 1, Slot(k % 3, k % 4)) for k in range(20))
+    orders = tuple(Order(f"o{k}", (f"i{k}",)) for k in range(20))
+    fleet = (Robot("A", 1, trips=20, available=5.0), Robot("B", 10, trips=2, available=5.0))
+    instance = Instance(AisleWarehouse(3, 4), items, orders, fleet)
+    plan = Plan.from_routes(replace(instance, robots=fleet[:1]), [[k] for k in range(1, 21)])
+    state = state_at(plan, instance, 0.0)
+    lost = replace(state, robots=(replace(state.robots[0], lost=True), state.robots[1]))
+    for objective in ("distance", "makespan"):
+        found = replan(lost, objective=objective, max_work=30)
+        assert found.result is not None
+        assert {trip.robot for trip in found.result.plan.trips} == {"B"}
+        assert qrobot.check(found.result.plan, found.result.instance).ok
 
 
 def test_a_plan_whose_places_were_chosen_can_be_replanned() -> None:
