@@ -26,6 +26,9 @@ TALLEST = 60.0
 TEXT = 8.0
 """Points of the numbers on the bars."""
 
+PALE = 0.6
+"""How much white lies over the parts of a trip in which the robot stands and does not collect."""
+
 WIDE = 0.035
 """Share of the time from which a trip's number fits into its bar."""
 
@@ -33,8 +36,8 @@ WIDE = 0.035
 def draw_schedule(schedule: Schedule, path: StrPath) -> tuple[str, ...]:
     """Draw the schedule and write it as SVG or PNG, as the file's suffix says.
 
-    Bars are trips, their dark parts the stops at which the robot collects. Robots without a trip
-    are left out.
+    Bars are trips, their dark parts the stops at which the robot collects, their pale parts the
+    set-up at the depot and waiting for other robots. Robots without a trip are left out.
 
     Returns
     -------
@@ -79,6 +82,11 @@ def _figure(busy: Sequence[RobotSchedule], ends: float, title: str, *names: str)
                 if visit.leaves > visit.arrives
             ]
             axes.broken_barh(stops, (row - 0.36, 0.14), color=colour.edge)
+            still = [(trip.begins, trip.leaves), *trip.waits]
+            axes.broken_barh(
+                [(since, until - since) for since, until in still if until > since],
+                (row + 0.19, 0.14), color="white", alpha=PALE, linewidth=0.0,
+            )  # fmt: skip
             if long > WIDE * ends:
                 axes.text(
                     trip.begins + long / 2, row, trip.journey.tag, color=colour.text,

@@ -70,7 +70,7 @@ class Reservations:
 
     def take(
         self, journey: Journey, times: Times, begins: float
-    ) -> tuple[list[Visit], list[Inside], float]:
+    ) -> tuple[list[Visit], list[Inside], list[tuple[float, float]]]:
         """Time a trip and reserve its sub-aisles.
 
         Parameters
@@ -86,9 +86,10 @@ class Reservations:
         -------
         tuple
             Its stops and its end in seconds since its set-up began, its stays in sub-aisles, and
-            how long the robot waits.
+            from when to when the robot waits before one.
         """
-        clock, waited = begins, 0.0
+        clock = begins
+        waits = []
         visits: list[Visit] = []
         inside = []
         metres = 0.0
@@ -97,14 +98,15 @@ class Reservations:
             if stay.where is not None:
                 enters = self._reserve(stay.where, clock, stay.seconds)
                 inside.append(Inside(*stay.where, enters, enters + stay.seconds))
-            waited += enters - clock
+            if enters > clock:
+                waits.append((clock, enters))
             for stop, arrives, leaves in stay.stops:
                 metres += journey.lengths[stop]
                 since = enters - begins
                 visits.append(Visit(metres, since + arrives, since + leaves))
             clock = enters + stay.seconds
         visits.append(Visit(metres + journey.lengths[-1], clock - begins, clock - begins))
-        return visits, inside, waited
+        return visits, inside, waits
 
     def _reserve(self, where: SubAisle, soonest: float, seconds: float) -> float:
         """Take the earliest time at which a lane of a sub-aisle is free for so long."""

@@ -50,8 +50,8 @@ class TimedTrip:
         When the robot leaves the depot.
     visits
         Its stops and its end, in seconds since its set-up began.
-    waiting
-        Seconds that it waits for other robots.
+    waits
+        When it waits for other robots: from and to, seconds since all robots began.
     inside
         Its stays in sub-aisles, where these are reserved.
     """
@@ -60,7 +60,7 @@ class TimedTrip:
     begins: float
     leaves: float
     visits: tuple[Visit, ...]
-    waiting: float = 0.0
+    waits: tuple[tuple[float, float], ...] = ()
     inside: tuple[Inside, ...] = ()
 
     @property
@@ -72,6 +72,11 @@ class TimedTrip:
     def collecting(self) -> float:
         """Seconds that the robot stands at its stops."""
         return sum(visit.leaves - visit.arrives for visit in self.visits)
+
+    @property
+    def waiting(self) -> float:
+        """Seconds that it waits for other robots."""
+        return sum(until - since for since, until in self.waits)
 
     @property
     def driving(self) -> float:
@@ -127,11 +132,14 @@ class OrderEnd:
         When its trip is back, seconds since all robots began.
     due
         When it should be, ``inf`` for no matter when.
+    deadline
+        When it must be.
     """
 
     order: str
     back: float
     due: float
+    deadline: float
 
     @property
     def late(self) -> float:
@@ -174,7 +182,7 @@ class Schedule:
                 for order in trip.journey.trip.orders:
                     back[order] = max(trip.ends, back.get(order, 0.0))
         return [
-            OrderEnd(order.id, back[order.id], order.due)
+            OrderEnd(order.id, back[order.id], order.due, order.deadline)
             for order in self.scene.instance.orders
             if order.id in back
         ]
@@ -292,7 +300,7 @@ class Schedule:
         if self.per_aisle is None:
             return ""
         waited = sum(trip.waiting for own in self.robots for trip in own.trips)
-        added = self.ends - self.undisturbed
+        added = max(0.0, round(self.ends - self.undisturbed, 6))
         share = f" ({added / self.undisturbed:.1%})" if self.undisturbed else ""
         return (
             f"at most {self.per_aisle} at a time in each sub-aisle: robots wait "
@@ -300,15 +308,19 @@ class Schedule:
         )
 
     def _late(self) -> str:
-        """Return a line about due times, where there are any."""
-        due = [one for one in self.orders if math.isfinite(one.due)]
-        if not due:
-            return ""
-        late = sorted((one for one in due if one.late > ON_TIME), key=lambda one: -one.late)
-        if not late:
-            return f"all {len(due)} orders with a due time are back in time\n"
-        some = ", ".join(
-            f"{printable(one.order)} by {number(one.late)} s" for one in late[:MOST_NAMES]
-        )
-        rest = ", .." if len(late) > MOST_NAMES else ""
-        return f"{len(late)} of {len(due)} orders with a due time are late: {some}{rest}\n"
+        """Return a line about due times and one about deadlines, where there are any."""
+        lines = ""
+        for what in ("due time", "deadline"):
+            times = {one.order: getattr(one, what.split()[0]) for one in self.orders}
+            asked = [one for one in self.orders if math.isfinite(times[one.order])]
+            after = {one.order: one.back - times[one.order] for one in asked}
+            late = sorted((o for o in after if after[o] > ON_TIME), key=lambda o: -after[o])
+            some = ", ".join(f"{printable(o)} by {number(after[o])} s" for o in late[:MOST_NAMES])
+            rest = ", .." if len(late) > MOST_NAMES else ""
+            if late:
+                lines += (
+                    f"{len(late)} of {len(asked)} orders with a {what} are late: {some}{rest}\n"
+                )
+            elif asked:
+                lines += f"all {len(asked)} orders with a {what} are back in time\n"
+        return lines

@@ -94,8 +94,10 @@ def _scheduled(scene: Scene, reservations: Reservations | None) -> tuple[RobotSc
         if reservations is None:
             own.append(TimedTrip(journey, begins, leaves, tuple(timeline(journey, times))))
         else:
-            visits, inside, waited = reservations.take(journey, times, begins)
-            own.append(TimedTrip(journey, begins, leaves, tuple(visits), waited, tuple(inside)))
+            visits, inside, waits = reservations.take(journey, times, begins)
+            own.append(
+                TimedTrip(journey, begins, leaves, tuple(visits), tuple(waits), tuple(inside))
+            )
         if len(own) < len(waiting[name]):
             following = waiting[name][len(own)]
             heapq.heappush(ready, (_begins(following, own[-1].ends, release), r, name))

@@ -172,3 +172,17 @@ def test_the_schema_describes_all_that_is_written() -> None:
     assert set(own["trips"][0]["stops"][0]) == set(parts["stop"]["properties"])
     del own["trips"][0]["stops"][0]["leaves"]
     assert not VALIDATOR.is_valid(data)
+
+
+def test_missed_due_times_and_deadlines_are_told() -> None:
+    """Waiting for others may take a plan past a deadline that it keeps by itself."""
+    house = AisleWarehouse(2, 4, aisle_pitch=3.0, end_gap=1.0)
+    items = (Item("a", 1, Slot(0, 3), 10.0), Item("b", 1, Slot(0, 0), 10.0))
+    orders = (Order("A", ("a",), due=10.0), Order("B", ("b",), deadline=25.0))
+    instance = qrobot.Instance(house, items, orders, (Robot("R1", 1), Robot("R2", 1)))
+    plan = Plan.from_routes(instance, [[1], [2]], seats=[(0, 0), (1, 0)])
+    text = schedule(plan, instance).to_text()
+    assert "1 of 1 orders with a due time are late: A by 8 s" in text
+    assert "all 1 orders with a deadline are back in time" in text
+    text = schedule(plan, instance, per_aisle=1).to_text()
+    assert "1 of 1 orders with a deadline are late: B by 5 s" in text
